@@ -1,0 +1,44 @@
+#include "common/core/log.h"
+
+#include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/stdout_sinks.h>
+
+#include <atomic>
+#include <memory>
+
+#include "common/core/error.h"
+
+namespace muster::log {
+namespace {
+
+std::atomic<std::int64_t> g_now_us{0};
+
+/// `%*` in the pattern: mission time in seconds.
+class MissionTimeFlag : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg&, const std::tm&, spdlog::memory_buf_t& dest) override {
+    const std::string text = fmt::format("{:9.1f}", SimTime{g_now_us.load(std::memory_order_relaxed)}.s());
+    dest.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<MissionTimeFlag>(); }
+};
+
+}  // namespace
+
+void open(const std::string& dir, const std::string& name) {
+  try {
+    auto logger = spdlog::basic_logger_st(name, dir + "/" + name + ".log", true);
+    auto formatter = std::make_unique<spdlog::pattern_formatter>();
+    formatter->add_flag<MissionTimeFlag>('*').set_pattern("%* %n %l: %v");
+    logger->set_formatter(std::move(formatter));
+    logger->flush_on(spdlog::level::warn);
+    spdlog::set_default_logger(std::move(logger));
+  } catch (const spdlog::spdlog_ex& e) {
+    throw Failure(dir + ": cannot write logs here: " + e.what());
+  }
+}
+
+void set_time(SimTime now) { g_now_us.store(now.us, std::memory_order_relaxed); }
+
+}  // namespace muster::log

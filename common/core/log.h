@@ -1,0 +1,23 @@
+#pragma once
+
+#include <spdlog/spdlog.h>
+
+#include <string>
+
+#include "common/core/time.h"
+
+namespace muster::log {
+
+/// Opens `<dir>/<name>.log` as the one sink of this process; every line is stamped with mission time and `name`. Without it
+/// warnings go to stderr. Logs never feed a decision or the trace.
+void open(const std::string& dir, const std::string& name);
+
+/// The mission time that the next lines are stamped with.
+void set_time(SimTime now);
+
+using spdlog::debug;
+using spdlog::error;
+using spdlog::info;
+using spdlog::warn;
+
+}  // namespace muster::log

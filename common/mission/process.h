@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "common/mission/messages.h"
+
+namespace muster::mission {
+
+/// What reaches a robot's process in one tick: bus samples and radio messages in (src, n) order.
+struct StepInput {
+  std::uint64_t tick = 0;
+  SimTime now;
+  std::vector<Message> bus;
+  std::vector<Message> air;
+};
+
+/// What it answers with. Envelopes are numbered by the process itself (`n` counts everything it sent, air and bus alike).
+struct StepOutput {
+  std::vector<Message> bus;
+  std::vector<Message> air;
+  std::uint64_t trace = 0;  ///< hash over what it holds (the store's records): a difference shows up in the tick it arose
+  bool declares_complete = false;
+  std::vector<PlanningTime> planning;  ///< wall-clock cost of planning steps; reported, never decided upon
+};
+
+/// A robot or station as a pure function of what reaches it: no DDS, threads, clock or globals. The shells (DDS lock-step, DDS
+/// field, in-memory) call `step` once per tick and move bytes.
+class Process {
+ public:
+  virtual ~Process() = default;
+  virtual RobotId id() const = 0;
+  virtual StepOutput step(const StepInput& input) = 0;
+  /// Called once after the last step: write files (map.bt, station.db) into `dir`.
+  virtual void finish(const std::string& dir) = 0;
+};
+
+}  // namespace muster::mission
