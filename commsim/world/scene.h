@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/geometry/pose.h"
+#include "common/mission/mission.h"
+
+namespace muster::world {
+
+struct Mesh {
+  std::vector<Eigen::Vector3f> vertices;
+  std::vector<Eigen::Vector3i> triangles;
+};
+
+struct Hit {
+  double distance_m = 0;
+  Vec3 normal = Vec3::Zero();  ///< unit, towards the ray's origin
+};
+
+/// The place: a triangle mesh that can be asked what a ray meets and how near a point is to a surface. Immutable, so any number of threads may ask.
+/// Only world, radio and referee ever see one.
+class Scene {
+ public:
+  /// STL, OBJ, PLY, DAE, glTF (Assimp) or YAML (generators, see deploy/scenes/README.md). Throws BadInput for a missing, cut-short or empty
+  /// file and for vertices that are not finite.
+  static std::shared_ptr<const Scene> load(const std::string& path);
+  explicit Scene(Mesh mesh);
+  ~Scene();
+
+  const Mesh& mesh() const;
+  /// First surface along the ray within `max_m`. `direction` need not be unit length… but is taken as unit when it is.
+  std::optional<Hit> cast(const Vec3& origin, const Vec3& unit_direction, double max_m) const;
+  /// Nothing between a and b.
+  bool line_of_sight(const Vec3& a, const Vec3& b) const;
+  /// Distance to the nearest surface, at most `cap_m`.
+  double clearance(const Vec3& p, double cap_m) const;
+  Vec3 low() const;
+  Vec3 high() const;
+  /// Adds the ground z = 0 under the hull? Scenes from YAML bring their own; meshes get one when the mission says `ground: true`.
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+struct Feature {
+  FeatureId id;
+  Vec3 position = Vec3::Zero(), normal = Vec3::Zero();
+  std::uint32_t type = 0, priority = 0;
+  bool real = true;  ///< false: a spot that looks like one (RULES "Sighting and inspecting")
+};
+
+struct FeatureSet {
+  std::vector<Feature> features;        ///< the true ones, ids 0 … count−1
+  std::vector<Feature> decoys;          ///< false areas
+  std::uint32_t drawn = 0, rejected = 0;  ///< for `muster scene info`
+};
+
+/// Draws features by the rule of RULES.md ("Features, in every scene"): redrawn until inspectable and sightable from places reachable
+/// from the starts. Deterministic per mission seed.
+FeatureSet draw_features(const Scene& scene, const mission::Mission& mission);
+
+}  // namespace muster::world
