@@ -1,0 +1,132 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/core/bytes.h"
+#include "common/core/ids.h"
+#include "common/geometry/box.h"
+#include "common/geometry/camera.h"
+
+namespace octomap {
+class OcTree;
+}
+
+namespace muster::map {
+
+enum class Voxel : std::uint8_t { kUnknown = 0, kFree = 1, kOccupied = 2 };
+
+/// Index of a voxel: floor(coordinate / resolution) per axis.
+struct VoxelKey {
+  int x = 0, y = 0, z = 0;
+  auto operator<=>(const VoxelKey&) const = default;
+};
+/// Index of a block of 16³ voxels: floor(voxel / 16).
+struct BlockKey {
+  int x = 0, y = 0, z = 0;
+  auto operator<=>(const BlockKey&) const = default;
+};
+inline constexpr int kBlockSide = 16;
+BlockKey block_of(VoxelKey v);
+/// One number per block, for record keys; 21 bits per axis, offset binary.
+std::uint64_t pack(BlockKey b);
+BlockKey unpack_block(std::uint64_t key);
+
+struct MapConfig {
+  double resolution_m = 0.2;
+  Box bounds;                   ///< nothing outside is mapped
+  double body_radius_m = 0.25;
+  double clearance_m = 0.1;     ///< kept between the body and anything occupied
+  bool ground = false;          ///< traversability of a UGV instead of a UAV
+  double ride_height_m = 0.4;
+};
+
+/// One sweep in the map's own terms (see bus.idl Scan for the layout).
+struct RangeScan {
+  Pose sensor;
+  double pitch_rad = 0;
+  std::uint32_t columns = 0, rows = 0;
+  double hfov_rad = 0, vfov_rad = 0, range_m = 0;
+  std::span<const std::uint16_t> range_mm;
+};
+
+/// A body that must not become part of the map: a teammate where it says it is.
+struct Sphere {
+  Vec3 center = Vec3::Zero();
+  double radius_m = 0;
+};
+
+/// What a robot knows of the place: its own evidence (an OctoMap OcTree, from its own scans only) merged with the blocks that others sent.
+///
+///     own OcTree ──┐ (evidence, log-odds)
+///                  ├─▶ merged block grid (unknown | free | occupied) ─▶ traversability counts, frontiers, paths
+///     others' blocks ┘ (newest per author; recomputed, never accumulated)
+///
+/// A merged voxel: occupied when the own map or any author's newest block says occupied and the own map does not say free; else
+/// free when anyone says free; else unknown. Own evidence wins over others'.
+class VoxelMap {
+ public:
+  explicit VoxelMap(const MapConfig& config);
+  ~VoxelMap();
+
+  const MapConfig& config() const;
+  VoxelKey key(const Vec3& p) const;
+  Vec3 center(VoxelKey k) const;
+
+  /// Known free around the start (RULES "What a robot may know").
+  void insert_free_ball(const Vec3& center, double radius_m);
+
+  struct Integrated {
+    std::uint32_t changed = 0;        ///< merged voxels whose state changed
+    std::vector<Vec3> unexplained;    ///< returns inside space that the own map holds free, fitting no teammate: maybe a body
+  };
+  /// Shared free space of the rays is traced once; a voxel with a hit stays occupied over misses of the same scan. Returns within
+  /// a teammate's sphere (grown by a margin) are neither mapped nor traced beyond.
+  Integrated integrate(const RangeScan& scan, std::span<const Sphere> teammates);
+
+  Voxel at(VoxelKey k) const;
+  Voxel at(const Vec3& p) const { return at(key(p)); }
+  const octomap::OcTree& own() const;
+
+  /// The body's centre may be in this voxel: nothing occupied within radius + clearance and nothing unknown within the body
+  /// (UGV: on its driving plane, see README). Kept up to date incrementally, O(1).
+  bool traversable(VoxelKey k) const;
+  bool traversable(const Vec3& p) const { return traversable(key(p)); }
+  /// Distance from `p` to the nearest occupied voxel's cube, at most `cap_m`.
+  double clearance(const Vec3& p, double cap_m) const;
+  /// No occupied voxel between (unknown counts as blocking when `through_unknown` is false).
+  bool line_of_sight(const Vec3& a, const Vec3& b, bool through_unknown) const;
+
+  // ---- exchange -----------------------------------------------------------------------------------------------------
+  /// Own blocks changed since the cursor (0 at first), which is advanced. Ordered.
+  std::vector<BlockKey> own_changes(std::uint64_t& cursor) const;
+  /// 16³ voxels of the own map, 2 bits each, x fastest, then y, then z, low bits first, zstd: BlockEncoding::kZstd2Bit.
+  Bytes encode_own(BlockKey b) const;
+  /// Takes the newest block of `author` in place of the older one. Throws BadInput when the bytes are not a block.
+  void merge(RobotId author, BlockKey b, ByteView zstd_2bit);
+
+  // ---- change feed for frontiers and planners --------------------------------------------------------------------------
+  /// Blocks whose merged voxels changed since the cursor (0 at first), which is advanced. Ordered.
+  std::vector<BlockKey> changes(std::uint64_t& cursor) const;
+  std::uint64_t revision() const;  ///< grows with every change of a merged voxel
+
+  /// Volume of `box` that is known (free or occupied), m³. Incremental for boxes registered by `watch`.
+  std::size_t watch(const Box& box);
+  double known_m3(std::size_t watched) const;
+  double volume_m3(std::size_t watched) const;
+
+  /// All merged voxels as an OctoMap file (`map.bt`). Throws Failure.
+  void write_bt(const std::string& path) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Voxels of an encoded block (4096 states). Throws BadInput.
+std::vector<Voxel> decode_block(ByteView zstd_2bit);
+Bytes encode_block(std::span<const Voxel> voxels);
+
+}  // namespace muster::map
