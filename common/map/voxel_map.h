@@ -94,6 +94,9 @@ class VoxelMap {
   /// (UGV: on its driving plane, see README). Kept up to date incrementally, O(1).
   bool traversable(VoxelKey k) const;
   bool traversable(const Vec3& p) const { return traversable(key(p)); }
+  /// An occupied voxel is within radius + clearance of this voxel's centre (or it lies outside the bounds). Neither blocked nor
+  /// traversable: unknown space that may turn out passable; transit plans through it and looks before it goes.
+  bool blocked(VoxelKey k) const;
   /// Distance from `p` to the nearest occupied voxel's cube, at most `cap_m`.
   double clearance(const Vec3& p, double cap_m) const;
   /// No occupied voxel between (unknown counts as blocking when `through_unknown` is false).

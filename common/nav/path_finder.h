@@ -32,6 +32,17 @@ class PathFinder {
   /// within `goal_tolerance_m`. `blocked`: spheres to be avoided now (short-lived obstacles, parked teammates).
   PathResult find(const Vec3& start, const Vec3& goal, double goal_tolerance_m = 0.3, std::span<const map::Sphere> blocked = {});
 
+  /// As `find`, but through everything that is not `blocked`: unknown space costs `unknown_factor` times its length, and steep climbs through
+  /// it more (the camera does not look up). Only the returned path's part up to the first non-traversable point may be flown; it is
+  /// `known`, the whole is `path`. For transit: fly `known`, look, plan again. `avoid`: spheres in unknown space that led nowhere before.
+  struct Transit {
+    std::optional<Path> path;
+    Path known;
+    std::string reason;
+  };
+  Transit find_through_unknown(const Vec3& start, const Vec3& goal, double goal_tolerance_m, std::span<const map::Sphere> avoid = {},
+                               std::span<const map::Sphere> blocked = {}, double unknown_factor = 2);
+
   /// Path lengths from `start` to each goal (infinity: unreachable within `max_length_m`): one Dijkstra flood for many goals. Cached until
   /// the map's revision or the start voxel changes.
   std::vector<double> distances(const Vec3& start, std::span<const Vec3> goals, double max_length_m = 1e9);
