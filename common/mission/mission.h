@@ -30,8 +30,10 @@ struct Vehicle {
   std::uint32_t lidar_columns = 360;
   double capacity_mah = 1000, discharge_mah_per_s = 0;  ///< 0: never runs low
 
+  /// The file's stem is the name. Throws BadInput.
   static Vehicle load(const std::string& path);
-  void validate(const std::string& where) const;
+  /// Takes what `map` gives over what is here, and checks it. Throws BadInput naming file, line and key.
+  void read(YamlMap& map);
 };
 
 struct RobotConfig {
@@ -92,6 +94,7 @@ struct StandingConfig {
 struct Mission {
   std::string name, file;
   std::string scene_file;            ///< absolute; robots never open it
+  bool ground = false;               ///< adds the plane z = 0 under the hull, for meshes that bring none
   Box hull;                          ///< the site; also geofence and ceiling
   std::vector<Box> boxes;            ///< bounding boxes; RegionId indexes this
   std::vector<RobotConfig> fleet;
