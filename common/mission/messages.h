@@ -327,6 +327,7 @@ struct Done {
   std::uint32_t sent_air = 0, sent_bus = 0;
   std::uint64_t trace = 0;
   bool declares_complete = false;
+  Activity activity{};
   float cpu_ms = 0;
   std::vector<Expect> deliveries;
   std::vector<PlanningTime> planning;

@@ -20,6 +20,7 @@ struct StepOutput {
   std::vector<Message> air;
   std::uint64_t trace = 0;  ///< hash over what it holds (the store's records): a difference shows up in the tick it arose
   bool declares_complete = false;
+  Activity activity{};      ///< shown to people and in tracks.csv, never decided upon
   std::vector<PlanningTime> planning;  ///< wall-clock cost of planning steps; reported, never decided upon
 };
 
