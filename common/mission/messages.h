@@ -8,6 +8,7 @@
 #include "common/core/ids.h"
 #include "common/core/time.h"
 #include "common/geometry/pose.h"
+#include "common/store/digest.h"
 #include "common/store/record.h"
 
 /// Every message of idl/ as a plain struct, field by field in the IDL's order and meaning; `common/dds/convert.h` turns them
@@ -78,16 +79,8 @@ enum class Activity : std::uint32_t {
 
 // ---- air ------------------------------------------------------------------------------------------------------------
 
-struct SeqRange {
-  std::uint64_t first = 0, last = 0;  ///< both included
-  auto operator<=>(const SeqRange&) const = default;
-};
-struct DigestEntry {
-  store::Author author;
-  store::RecordClass cls{};
-  std::uint64_t complete = 0;
-  std::vector<SeqRange> beyond;
-};
+using store::DigestEntry;
+using store::SeqRange;
 struct Beacon {
   Envelope envelope;
   std::uint64_t epoch = 0;
@@ -196,11 +189,7 @@ struct Status {
   std::string note;
 };
 
-struct EndEntry {
-  store::Author author;
-  store::RecordClass cls{};
-  std::uint64_t complete = 0, sent = 0;
-};
+using store::EndEntry;
 struct ExchangeEnd {
   Envelope envelope;
   RobotId receiver;
