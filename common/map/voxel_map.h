@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/core/bytes.h"
 #include "common/core/ids.h"
+#include "common/core/time.h"
 #include "common/geometry/box.h"
 #include "common/geometry/camera.h"
 
@@ -45,11 +47,21 @@ struct MapConfig {
 
 /// One sweep in the map's own terms (see bus.idl Scan for the layout).
 struct RangeScan {
+  SimTime time;                 ///< when it was measured: a strange return must last before it becomes map
   Pose sensor;
   double pitch_rad = 0;
   std::uint32_t columns = 0, rows = 0;
   double hfov_rad = 0, vfov_rad = 0, range_m = 0;
   std::span<const std::uint16_t> range_mm;
+};
+
+/// The merged voxels of one block as bits, voxel (x, y, z) at bit x + 16·y + 256·z of 64 words. Null where nothing is known yet. Valid
+/// until the map changes.
+struct BlockView {
+  const std::uint64_t* free = nullptr;
+  const std::uint64_t* occupied = nullptr;
+  const std::uint64_t* traversable = nullptr;
+  explicit operator bool() const { return free != nullptr; }
 };
 
 /// A body that must not become part of the map: a teammate where it says it is.
@@ -88,18 +100,22 @@ class VoxelMap {
 
   Voxel at(VoxelKey k) const;
   Voxel at(const Vec3& p) const { return at(key(p)); }
+  /// The own evidence; blocks still waiting to be written to it are written first.
   const octomap::OcTree& own() const;
+  BlockView view(BlockKey b) const;
 
   /// The body's centre may be in this voxel: nothing occupied within radius + clearance and nothing unknown within the body
   /// (UGV: on its driving plane, see README). Kept up to date incrementally, O(1).
   bool traversable(VoxelKey k) const;
-  bool traversable(const Vec3& p) const { return traversable(key(p)); }
+  bool traversable(const Vec3& p) const { return traversable(body_key(p)); }
   /// An occupied voxel is within radius + clearance of this voxel's centre (or it lies outside the bounds). Neither blocked nor
   /// traversable: unknown space that may turn out passable; transit plans through it and looks before it goes.
   bool blocked(VoxelKey k) const;
+  /// The voxel that decides about a body at `p`: key(p); for a UGV within 0.3 m of its driving plane, the one in that plane.
+  VoxelKey body_key(const Vec3& p) const;
   /// Distance from `p` to the nearest occupied voxel's cube, at most `cap_m`.
   double clearance(const Vec3& p, double cap_m) const;
-  /// No occupied voxel between (unknown counts as blocking when `through_unknown` is false).
+  /// No occupied voxel strictly between the voxels of `a` and `b` (unknown counts as blocking when `through_unknown` is false).
   bool line_of_sight(const Vec3& a, const Vec3& b, bool through_unknown) const;
 
   // ---- exchange -----------------------------------------------------------------------------------------------------
