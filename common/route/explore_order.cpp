@@ -58,9 +58,8 @@ std::vector<std::uint32_t> reachable_by_distance(const OrderProblem& problem) {
   for (std::uint32_t i = 1; i <= problem.gain.size(); ++i) {
     if (problem.travel_s[0][i] < kFar_s) nodes.push_back(i);
   }
-  std::stable_sort(nodes.begin(), nodes.end(), [&](auto a, auto b) {
-    return problem.travel_s[0][a] < problem.travel_s[0][b];
-  });
+  std::stable_sort(nodes.begin(), nodes.end(),
+                   [&](auto a, auto b) { return problem.travel_s[0][a] < problem.travel_s[0][b]; });
   return nodes;
 }
 

@@ -12,10 +12,12 @@ constexpr double kGain = 1e-9;
 constexpr std::size_t kExact = 12;
 constexpr std::size_t kMaxLabels = 64;
 
-/// How a tour stands after some meetings. Travel and waiting together are `free_at` − now − service, so that time and lateness say all.
+/// How a tour stands after some meetings. Travel and waiting together are `free_at` − now −
+/// service, so that time and lateness say all.
 struct Label {
   double free_at_s = 0, late_s = 0;
-  std::uint32_t parent_last = 0, parent = 0;  ///< the state one meeting earlier, and which of its labels
+  std::uint32_t parent_last = 0,
+                parent = 0;  ///< the state one meeting earlier, and which of its labels
   bool dominates(const Label& o) const {
     return free_at_s <= o.free_at_s + kGain && late_s <= o.late_s + kGain;
   }
@@ -61,8 +63,8 @@ Tour finish(const TourProblem& p, std::vector<std::uint32_t> order) {
   return tour;
 }
 
-/// Dynamic programming over (set of meetings held, last one) with the labels that nothing dominates: early but late for somebody,
-/// or late for nobody but slower.
+/// Dynamic programming over (set of meetings held, last one) with the labels that nothing
+/// dominates: early but late for somebody, or late for nobody but slower.
 std::vector<std::uint32_t> exact(const TourProblem& p, std::uint32_t n) {
   const std::uint32_t sets = 1u << n;
   std::vector<std::vector<Label>> table(static_cast<std::size_t>(sets) * n);
@@ -82,7 +84,8 @@ std::vector<std::uint32_t> exact(const TourProblem& p, std::uint32_t n) {
   for (std::uint32_t m = 0; m < n; ++m) state(1u << m, m).push_back(drive(p, start, 0, m));
   for (std::uint32_t set = 1; set < sets; ++set) {
     for (std::uint32_t last = 0; last < n; ++last) {
-      // Complete by now: only smaller sets, which come first, lead here. So indices of labels are stable.
+      // Complete by now: only smaller sets, which come first, lead here. So indices of labels are
+      // stable.
       const auto& labels = state(set, last);
       for (std::uint32_t i = 0; i < labels.size(); ++i) {
         for (std::uint32_t m = 0; m < n; ++m) {
@@ -123,7 +126,8 @@ std::vector<std::uint32_t> exact(const TourProblem& p, std::uint32_t n) {
   return order;
 }
 
-/// Cheapest insertion by closing time, then moves and reversals until none helps or the count is used up.
+/// Cheapest insertion by closing time, then moves and reversals until none helps or the count is
+/// used up.
 std::vector<std::uint32_t> heuristic(const TourProblem& p, std::uint32_t n) {
   std::vector<std::uint32_t> by_deadline(n), order;
   for (std::uint32_t m = 0; m < n; ++m) by_deadline[m] = m;

@@ -43,7 +43,8 @@ AllocationProblem random_allocation(Random& random, std::size_t robots, std::siz
 double finish(const AllocationProblem& p, std::size_t k, const std::vector<std::uint32_t>& plan) {
   double t = p.free_at_s[k];
   for (std::size_t i = 0; i < plan.size(); ++i) {
-    t += (i == 0 ? p.first_s[k][plan[0]] : p.between_s[plan[i - 1]][plan[i]]) + p.service_s[plan[i]];
+    t +=
+        (i == 0 ? p.first_s[k][plan[0]] : p.between_s[plan[i - 1]][plan[i]]) + p.service_s[plan[i]];
   }
   return t;
 }
