@@ -28,19 +28,21 @@ class Scene {
   /// STL, OBJ, PLY, DAE, glTF (Assimp) or YAML (generators, see deploy/scenes/README.md). Throws BadInput for a missing, cut-short or empty
   /// file and for vertices that are not finite.
   static std::shared_ptr<const Scene> load(const std::string& path);
+  /// The mission's scene, with the ground z = 0 under its hull when it says `ground: true`.
+  static std::shared_ptr<const Scene> load(const mission::Mission& mission);
   explicit Scene(Mesh mesh);
   ~Scene();
 
   const Mesh& mesh() const;
-  /// First surface along the ray within `max_m`. `direction` need not be unit length… but is taken as unit when it is.
+  /// First surface along the ray within `max_m`, from either side of it.
   std::optional<Hit> cast(const Vec3& origin, const Vec3& unit_direction, double max_m) const;
-  /// Nothing between a and b.
+  /// Nothing between a and b. A surface within 1 cm of either end does not count, so a point on a surface is seen from in front
+  /// of it. The same for (a, b) and (b, a), to the bit.
   bool line_of_sight(const Vec3& a, const Vec3& b) const;
   /// Distance to the nearest surface, at most `cap_m`.
   double clearance(const Vec3& p, double cap_m) const;
   Vec3 low() const;
   Vec3 high() const;
-  /// Adds the ground z = 0 under the hull? Scenes from YAML bring their own; meshes get one when the mission says `ground: true`.
 
  private:
   struct Impl;
