@@ -16,7 +16,7 @@ struct SeqRange {
 
 /// What somebody holds of one author's records of one class.
 ///
-///     seq       1 2 3 4 5 6 7 8 9
+///     seq       1 2 3 4 5 6 7 8 9 10
 ///     complete  ────────┤              for every key: the author's newest version ≤ 5 is held, or
 ///     a newer one beyond                ■   ■ ■    also seen: 7, 9, 10
 ///

@@ -9,16 +9,17 @@
 
 namespace muster::store {
 
-/// What a record is about. The order is the order in which a contact sends them: value first (DESIGN "Records").
+/// What a record is about. The order is the order in which a contact sends them: value first
+/// (DESIGN "Records").
 enum class RecordClass : std::uint32_t {
   kInspection = 1,  ///< results (part 0 of an image counts as one)
   kMeeting = 2,
-  kRequest = 3,     ///< operator's requests and declarations (air topic `status`)
+  kRequest = 3,  ///< operator's requests and declarations (air topic `status`)
   kPlan = 4,
   kArea = 5,
   kStatus = 6,
   kMap = 7,
-  kImage = 8,       ///< the further parts of inspection payloads (air topic `inspection`)
+  kImage = 8,  ///< the further parts of inspection payloads (air topic `inspection`)
 };
 inline constexpr std::uint32_t kRecordClasses = 8;
 
@@ -45,7 +46,8 @@ struct RecordHeader {
 /// A record as its author wrote it.
 struct Record {
   RecordHeader header;
-  Bytes bytes;  ///< CDR of header and body, verbatim: the message from offset 24 on (after the envelope), without encapsulation
+  Bytes bytes;  ///< CDR of header and body, verbatim: the message from offset 24 on (after the
+                ///< envelope), without encapsulation
 };
 
 }  // namespace muster::store
