@@ -13,15 +13,16 @@ namespace muster::map {
 /// A pose worth flying to, and what the camera would newly see from there.
 struct Viewpoint {
   Pose pose;
-  double gain = 0;        ///< frontier area (m²) or surface area still owed looks (m²) in view
-  bool surface = false;   ///< false: a frontier; true: surface that the feature detector has not looked at often enough
+  double gain = 0;       ///< frontier area (m²) or surface area still owed looks (m²) in view
+  bool surface = false;  ///< false: a frontier; true: surface that the feature detector has not
+                         ///< looked at often enough
   std::uint32_t cluster = 0;
 };
 
 struct Refused {
   Vec3 centroid = Vec3::Zero();
   double area_m2 = 0;
-  std::string reason;     ///< "no reachable pose sees it", "smaller than 0.5 m²", …
+  std::string reason;  ///< "no reachable pose sees it", "smaller than 0.5 m²", …
 };
 
 struct TargetConfig {
@@ -29,15 +30,18 @@ struct TargetConfig {
   double pitch_rad = 0;
   double min_cluster_m2 = 0.5;
   double max_cluster_extent_m = 2.5;
-  std::uint32_t looks = 3;            ///< how often every surface voxel must have been in view of the detector at a look
-  double look_range_m = 4.5;          ///< within the sighting range, with a margin
+  std::uint32_t looks =
+      3;  ///< how often every surface voxel must have been in view of the detector at a look
+  double look_range_m = 4.5;  ///< within the sighting range, with a margin
 };
 
-/// What is left to see in one region: frontiers (known-free voxels next to unknown ones, both inside the box), clustered, with viewpoints
-/// that see them (range, field of view, occlusion through the map); and surface voxels that were in view at too few looks of the feature
-/// detector. Incremental: `update` costs what changed, not the map.
+/// What is left to see in one region: frontiers (known-free voxels next to unknown ones, both
+/// inside the box), clustered, with viewpoints that see them (range, field of view, occlusion
+/// through the map); and surface voxels that were in view at too few looks of the feature detector.
+/// Incremental: `update` costs what changed, not the map.
 ///
-/// A viewpoint is a traversable voxel; whether it can be *reached* is the caller's knowledge: `update` is given a predicate.
+/// A viewpoint is a traversable voxel; whether it can be *reached* is the caller's knowledge:
+/// `update` is given a predicate.
 class Targets {
  public:
   Targets(const VoxelMap& map, const Box& box, const TargetConfig& config);
@@ -46,14 +50,17 @@ class Targets {
   /// The feature detector looked from here (every Sightings message, also when it saw nothing).
   void looked(const Pose& sensor, double pitch_rad);
 
-  /// Brings clusters and viewpoints up to date with the map. `reachable(p)`: the body can get to p (cheap; called for candidates only).
+  /// Brings clusters and viewpoints up to date with the map. `reachable(p)`: the body can get to p
+  /// (cheap; called for candidates only).
   void update(const std::function<bool(const Vec3&)>& reachable);
 
   /// The best viewpoint(s) of every cluster, frontier and surface, ordered by cluster.
   const std::vector<Viewpoint>& viewpoints() const;
-  /// Clusters without a viewpoint, with the reason: they no longer keep the region from being explored (RULES "When things are done").
+  /// Clusters without a viewpoint, with the reason: they no longer keep the region from being
+  /// explored (RULES "When things are done").
   const std::vector<Refused>& refused() const;
-  /// Nothing left: no frontier cluster ≥ min_cluster_m2 that a reachable pose sees, and no surface owed looks that a reachable pose gives.
+  /// Nothing left: no frontier cluster ≥ min_cluster_m2 that a reachable pose sees, and no surface
+  /// owed looks that a reachable pose gives.
   bool done() const;
   double frontier_m2() const;
   double owed_surface_m2() const;
@@ -63,7 +70,8 @@ class Targets {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Unit estimate of the outward surface normal at an occupied spot, from the occupied and free voxels around it; zero when unknown.
+/// Unit estimate of the outward surface normal at an occupied spot, from the occupied and free
+/// voxels around it; zero when unknown.
 Vec3 surface_normal(const VoxelMap& map, const Vec3& p, const Vec3& seen_from);
 
 }  // namespace muster::map

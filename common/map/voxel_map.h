@@ -38,16 +38,16 @@ BlockKey unpack_block(std::uint64_t key);
 
 struct MapConfig {
   double resolution_m = 0.2;
-  Box bounds;                   ///< nothing outside is mapped
+  Box bounds;  ///< nothing outside is mapped
   double body_radius_m = 0.25;
-  double clearance_m = 0.1;     ///< kept between the body and anything occupied
-  bool ground = false;          ///< traversability of a UGV instead of a UAV
+  double clearance_m = 0.1;  ///< kept between the body and anything occupied
+  bool ground = false;       ///< traversability of a UGV instead of a UAV
   double ride_height_m = 0.4;
 };
 
 /// One sweep in the map's own terms (see bus.idl Scan for the layout).
 struct RangeScan {
-  SimTime time;                 ///< when it was measured: a strange return must last before it becomes map
+  SimTime time;  ///< when it was measured: a strange return must last before it becomes map
   Pose sensor;
   double pitch_rad = 0;
   std::uint32_t columns = 0, rows = 0;
@@ -55,8 +55,8 @@ struct RangeScan {
   std::span<const std::uint16_t> range_mm;
 };
 
-/// The merged voxels of one block as bits, voxel (x, y, z) at bit x + 16·y + 256·z of 64 words. Null where nothing is known yet. Valid
-/// until the map changes.
+/// The merged voxels of one block as bits, voxel (x, y, z) at bit x + 16·y + 256·z of 64 words.
+/// Null where nothing is known yet. Valid until the map changes.
 struct BlockView {
   const std::uint64_t* free = nullptr;
   const std::uint64_t* occupied = nullptr;
@@ -70,14 +70,17 @@ struct Sphere {
   double radius_m = 0;
 };
 
-/// What a robot knows of the place: its own evidence (an OctoMap OcTree, from its own scans only) merged with the blocks that others sent.
+/// What a robot knows of the place: its own evidence (an OctoMap OcTree, from its own scans only)
+/// merged with the blocks that others sent.
 ///
 ///     own OcTree ──┐ (evidence, log-odds)
-///                  ├─▶ merged block grid (unknown | free | occupied) ─▶ traversability counts, frontiers, paths
+///                  ├─▶ merged block grid (unknown | free | occupied) ─▶ traversability counts,
+///                  frontiers, paths
 ///     others' blocks ┘ (newest per author; recomputed, never accumulated)
 ///
-/// A merged voxel: occupied when the own map or any author's newest block says occupied and the own map does not say free; else
-/// free when anyone says free; else unknown. Own evidence wins over others'.
+/// A merged voxel: occupied when the own map or any author's newest block says occupied and the own
+/// map does not say free; else free when anyone says free; else unknown. Own evidence wins over
+/// others'.
 class VoxelMap {
  public:
   explicit VoxelMap(const MapConfig& config);
@@ -91,11 +94,13 @@ class VoxelMap {
   void insert_free_ball(const Vec3& center, double radius_m);
 
   struct Integrated {
-    std::uint32_t changed = 0;        ///< merged voxels whose state changed
-    std::vector<Vec3> unexplained;    ///< returns inside space that the own map holds free, fitting no teammate: maybe a body
+    std::uint32_t changed = 0;      ///< merged voxels whose state changed
+    std::vector<Vec3> unexplained;  ///< returns inside space that the own map holds free, fitting
+                                    ///< no teammate: maybe a body
   };
-  /// Shared free space of the rays is traced once; a voxel with a hit stays occupied over misses of the same scan. Returns within
-  /// a teammate's sphere (grown by a margin) are neither mapped nor traced beyond.
+  /// Shared free space of the rays is traced once; a voxel with a hit stays occupied over misses of
+  /// the same scan. Returns within a teammate's sphere (grown by a margin) are neither mapped nor
+  /// traced beyond.
   Integrated integrate(const RangeScan& scan, std::span<const Sphere> teammates);
 
   Voxel at(VoxelKey k) const;
@@ -104,34 +109,43 @@ class VoxelMap {
   const octomap::OcTree& own() const;
   BlockView view(BlockKey b) const;
 
-  /// The body's centre may be in this voxel: nothing occupied within radius + clearance and nothing unknown within the body
-  /// (UGV: on its driving plane, see README). Kept up to date incrementally, O(1).
+  /// The body's centre may be in this voxel: nothing occupied within radius + clearance and nothing
+  /// unknown within the body (UGV: on its driving plane, see README). Kept up to date
+  /// incrementally, O(1).
   bool traversable(VoxelKey k) const;
   bool traversable(const Vec3& p) const { return traversable(body_key(p)); }
-  /// An occupied voxel is within radius + clearance of this voxel's centre (or it lies outside the bounds). Neither blocked nor
-  /// traversable: unknown space that may turn out passable; transit plans through it and looks before it goes.
+  /// An occupied voxel is within radius + clearance of this voxel's centre (or it lies outside the
+  /// bounds). Neither blocked nor traversable: unknown space that may turn out passable; transit
+  /// plans through it and looks before it goes.
   bool blocked(VoxelKey k) const;
-  /// The voxel that decides about a body at `p`: key(p); for a UGV within 0.3 m of its driving plane, the one in that plane.
+  /// The voxel that decides about a body at `p`: key(p); for a UGV within 0.3 m of its driving
+  /// plane, the one in that plane.
   VoxelKey body_key(const Vec3& p) const;
   /// Distance from `p` to the nearest occupied voxel's cube, at most `cap_m`.
   double clearance(const Vec3& p, double cap_m) const;
-  /// No occupied voxel strictly between the voxels of `a` and `b` (unknown counts as blocking when `through_unknown` is false).
+  /// No occupied voxel strictly between the voxels of `a` and `b` (unknown counts as blocking when
+  /// `through_unknown` is false).
   bool line_of_sight(const Vec3& a, const Vec3& b, bool through_unknown) const;
 
-  // ---- exchange -----------------------------------------------------------------------------------------------------
+  // ---- exchange
+  // -----------------------------------------------------------------------------------------------------
   /// Own blocks changed since the cursor (0 at first), which is advanced. Ordered.
   std::vector<BlockKey> own_changes(std::uint64_t& cursor) const;
-  /// 16³ voxels of the own map, 2 bits each, x fastest, then y, then z, low bits first, zstd: BlockEncoding::kZstd2Bit.
+  /// 16³ voxels of the own map, 2 bits each, x fastest, then y, then z, low bits first, zstd:
+  /// BlockEncoding::kZstd2Bit.
   Bytes encode_own(BlockKey b) const;
-  /// Takes the newest block of `author` in place of the older one. Throws BadInput when the bytes are not a block.
+  /// Takes the newest block of `author` in place of the older one. Throws BadInput when the bytes
+  /// are not a block.
   void merge(RobotId author, BlockKey b, ByteView zstd_2bit);
 
-  // ---- change feed for frontiers and planners --------------------------------------------------------------------------
+  // ---- change feed for frontiers and planners
+  // --------------------------------------------------------------------------
   /// Blocks whose merged voxels changed since the cursor (0 at first), which is advanced. Ordered.
   std::vector<BlockKey> changes(std::uint64_t& cursor) const;
   std::uint64_t revision() const;  ///< grows with every change of a merged voxel
 
-  /// Volume of `box` that is known (free or occupied), m³. Incremental for boxes registered by `watch`.
+  /// Volume of `box` that is known (free or occupied), m³. Incremental for boxes registered by
+  /// `watch`.
   std::size_t watch(const Box& box);
   double known_m3(std::size_t watched) const;
   double volume_m3(std::size_t watched) const;
