@@ -20,6 +20,9 @@ class World {
  public:
   /// Throws BadInput when the mission does not fit the scene (box outside it, start inside a wall …).
   World(const mission::Mission& mission, std::shared_ptr<const Scene> scene);
+  /// With given features, and given centres of the surface voxels that count for `map_coverage`, instead of drawn ones.
+  World(const mission::Mission& mission, std::shared_ptr<const Scene> scene, FeatureSet features,
+        const std::vector<Vec3>& surface);
   ~World();
 
   struct Samples {
