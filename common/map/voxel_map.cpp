@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <deque>
-#include <fstream>
 #include <limits>
 
 #include "common/core/error.h"
@@ -241,8 +240,7 @@ void VoxelMap::write_bt(const std::string& path) const {
     }
     write_block(tree, b->key, evidence);
   }
-  std::ofstream file(path, std::ios::binary);
-  if (!file || !tree.writeBinary(file) || !file.flush()) throw Failure(path + ": cannot be written");
+  if (!tree.writeBinary(path)) throw Failure(path + ": cannot be written");
 }
 
 }  // namespace muster::map

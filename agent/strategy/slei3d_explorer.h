@@ -1,0 +1,76 @@
+#pragma once
+
+#include <optional>
+
+#include "agent/strategy/area_fitter.h"
+#include "agent/strategy/exploration.h"
+#include "agent/strategy/subgroup.h"
+#include "common/robot/agreement.h"
+#include "common/robot/strategy.h"
+
+namespace muster::agent {
+
+/// The explorer of SLEI3D (S0 IV-B, IV-C). What it does now is the first of these that applies:
+///
+///     meet the station     it is time to leave for the agreed place, or the station is here for
+///     the meeting (outranks the rest, S0.12) visit an inspector   it would stand idle and there
+///     are areas to give; after exploring: it holds results explore              frontiers, then
+///     surfaces owed looks, in FF3E's order wait                 for its meeting
+///
+/// A meeting with the station: tell how far the region is; when it is done wait for the next one;
+/// propose when and where to meet again (predictor (9), box corner S0.8); leave when that is
+/// acknowledged and all records have passed.
+class Slei3dExplorer : public robot::Strategy {
+ public:
+  explicit Slei3dExplorer(const mission::Mission& mission, RobotId self);
+
+  void on_sightings(robot::Knowledge& knowledge, const mission::Sightings& sightings) override;
+  void on_scan(robot::Knowledge& knowledge, const mission::Scan& scan) override;
+  robot::Intent decide(robot::Knowledge& knowledge, const robot::Progress& progress) override;
+  std::vector<mission::PlanningTime> take_planning() override {
+    return std::exchange(planning_, {});
+  }
+
+ private:
+  struct Orders {
+    bool known = false;
+    RegionId region = kNoRegion;
+  };
+  Orders orders(const robot::Knowledge& k) const;
+  void follow(robot::Knowledge& k, const Orders& orders);
+
+  std::optional<robot::Intent> meet_station(robot::Knowledge& k, const robot::Progress& progress);
+  robot::Intent negotiate(robot::Knowledge& k);
+  bool time_to_leave(robot::Knowledge& k, const mission::Rung& rung);
+  std::vector<mission::Rung> next_ladder(robot::Knowledge& k);
+  Vec3 meeting_corner(robot::Knowledge& k, double in_s);
+  void tell_progress(robot::Knowledge& k);
+  bool region_done(const robot::Knowledge& k) const;
+
+  std::optional<robot::Intent> visit(robot::Knowledge& k, const robot::Progress& progress);
+  std::optional<robot::Intent> say_farewell(robot::Knowledge& k, const robot::Progress& progress);
+
+  std::vector<mission::PlanningTime> planning_;
+  RobotId station_;
+  robot::Agreement agreement_;
+  AreaFitter fitter_;
+  Subgroup subgroup_;
+  std::optional<Exploration> exploration_;
+  bool released_ = false;
+
+  // meeting the station
+  bool leaving_ = false;  // on the way to, or at, the agreed place
+  bool negotiating_ = false;
+  SimTime negotiating_since_;
+  bool agreed_here_ = false;
+  SimTime check_leave_;
+  mission::Status told_;
+  SimTime told_at_;
+
+  // visiting
+  std::optional<Subgroup::Visit> visit_;
+  std::optional<SimTime> visit_waiting_since_, visit_contact_since_;
+  SimTime consider_visit_;
+};
+
+}  // namespace muster::agent

@@ -1,0 +1,247 @@
+#include "agent/strategy/slei3d_inspector.h"
+
+#include <algorithm>
+
+#include "common/robot/guardian.h"
+#include "common/robot/knowledge.h"
+#include "common/robot/stopwatch.h"
+
+namespace muster::agent {
+namespace {
+
+constexpr double kUnheard_s =
+    240;  // longer than any round of the explorer: then to where the station can be met
+constexpr double kBlockedPose_s = 4;
+constexpr int kMaxAttempts = 6;  // poses' patterns per area before it is reported as not to be seen
+constexpr double kRetryArea_s = 20;  // the map grows meanwhile
+constexpr std::size_t kImagePart_bytes = 15'000;
+
+}  // namespace
+
+Vec3 gathering_place(const mission::Mission& mission, RegionId region, RobotId inspector) {
+  const Box& box = mission.boxes[region.value];
+  const auto corners = box.corners();
+  const Vec3 home = mission.standing.place;
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < 4; ++i) {
+    if ((corners[i] - home).norm() < (corners[best] - home).norm()) best = i;
+  }
+  // In a row along the edge of the box that leaves the corner.
+  const Vec3 along = (corners[(best + 1) % 4] - corners[best]).normalized();
+  const Vec3 inward = (corners[(best + 3) % 4] - corners[best]).normalized();
+  std::uint32_t place = 0;
+  for (const RobotId id : mission.with_role(mission::Role::kInspector))
+    place += id < inspector ? 1 : 0;
+  Vec3 p = corners[best] + 0.6 * inward + (1.0 + 1.4 * (place % 5)) * along;
+  p.z() = std::max(1.0, mission.hull.low().z() + 1.0) + 1.2 * ((place / 5) % 3);
+  return p;
+}
+
+Slei3dInspector::Orders Slei3dInspector::orders(const robot::Knowledge& k) const {
+  Orders o;
+  for (const RobotId station : k.mission().with_role(mission::Role::kStation)) {
+    const auto* assignment = k.plan(station, mission::PlanKind::kAssignment);
+    if (!assignment) continue;
+    for (const mission::Allocation& a : assignment->body.allocations) {
+      if (a.robot == k.self())
+        o.leader = a.leader, o.region = a.region, o.released = a.leader == kNoRobot;
+    }
+  }
+  if (o.leader == kNoRobot) return o;
+  const auto* allocation = k.plan(o.leader, mission::PlanKind::kAllocation);
+  if (!allocation) return o;
+  for (const mission::Allocation& a : allocation->body.allocations) {
+    if (a.robot != k.self()) continue;
+    if (a.area.author == kNoRobot) {
+      o.region = a.region;
+      o.released = a.region == kNoRegion;
+    } else if (!k.inspected(a.area) && k.areas().contains(a.area)) {
+      o.areas.push_back(a.area);
+    }
+  }
+  return o;
+}
+
+robot::Intent Slei3dInspector::decide(robot::Knowledge& k, const robot::Progress& progress) {
+  if (current_ && progress.inspected) report(k, *progress.inspected);
+  const Orders o = orders(k);
+  if (k.declared_complete()) return robot::go_home(k, "the mission is complete");
+  if (!o.areas.empty()) {
+    robot::Intent intent = inspect(k, o, progress);
+    publish_route(k, o);
+    return intent;
+  }
+  current_.reset();
+  publish_route(k, o);
+  if (o.released) return robot::go_home(k, "no region is left to work on");
+  return wait(k, o);
+}
+
+robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
+                                       const robot::Progress& progress) {
+  idle_since_ = k.now();
+  worked_ = true;
+  if (current_ && std::find(o.areas.begin(), o.areas.end(), *current_) == o.areas.end())
+    current_.reset();
+  if (current_ && (progress.blocked_s > kBlockedPose_s ||
+                   (progress.inspected &&
+                    progress.inspected->outcome == mission::InspectOutcome::kRefusedView))) {
+    give_up_pose(k);
+  }
+  if (!current_ && k.now() >= look_again_) {
+    for (const mission::AreaRef& ref : o.areas) {
+      const auto wait_until = not_before_.find(ref);
+      if (wait_until != not_before_.end() && k.now() < wait_until->second) continue;
+      if (choose_pose(k, ref)) break;
+      if (current_) break;
+    }
+    if (!current_) look_again_ = k.now() + Duration::from_s(1.0);
+  }
+  robot::Intent intent;
+  intent.activity = mission::Activity::kTravelling;
+  if (!current_) {
+    // Nothing is visible from what is known here: go nearer, sensing the way.
+    const mission::Area& area = k.areas().at(o.areas.front()).area;
+    intent.kind = robot::Intent::Kind::kGo;
+    intent.goal = area.sighted_from;
+    intent.through_unknown = true;
+    intent.tolerance_m = 1.0;
+    intent.reason = "on the way to areas that are out of sight so far";
+    return intent;
+  }
+  const mission::Area& area = k.areas().at(*current_).area;
+  intent.kind = robot::Intent::Kind::kInspect;
+  intent.goal = poses_.front();
+  intent.use_yaw = true;
+  intent.area = *current_;
+  intent.area_position = area.position;
+  if (progress.state == robot::Progress::State::kArrived)
+    intent.activity = mission::Activity::kInspecting;
+  intent.reason =
+      "area " + std::to_string(current_->author.value) + "." + std::to_string(current_->key);
+  return intent;
+}
+
+bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& ref) {
+  const robot::Stopwatch watch(planning_, mission::PlanningStep::kPath);
+  k.paths().flood(k.position());
+  int& attempt = attempts_[ref];
+  for (; attempt < kMaxAttempts; ++attempt) {
+    poses_ = view_poses(k, k.areas().at(ref).area, attempt);
+    if (!poses_.empty()) {
+      current_ = ref;
+      return true;
+    }
+    if (attempt >= 3)
+      break;  // the patterns are exhausted: wait for the map to grow before the next one
+  }
+  not_before_[ref] = k.now() + Duration::from_s(kRetryArea_s);
+  if (++attempt > kMaxAttempts) {
+    current_ = ref;
+    mission::Inspected nothing;
+    nothing.outcome = mission::InspectOutcome::kRefusedView;
+    report(k, nothing);
+  }
+  return false;
+}
+
+void Slei3dInspector::give_up_pose(robot::Knowledge& k) {
+  poses_.erase(poses_.begin());
+  if (!poses_.empty()) return;
+  ++attempts_[*current_];
+  if (attempts_[*current_] > kMaxAttempts) {
+    mission::Inspected nothing;
+    nothing.outcome = mission::InspectOutcome::kRefusedView;
+    report(k, nothing);
+  }
+  current_.reset();
+}
+
+void Slei3dInspector::report(robot::Knowledge& k, const mission::Inspected& answer) {
+  const bool exhausted = attempts_[*current_] > kMaxAttempts;
+  if (answer.outcome == mission::InspectOutcome::kCancelled) return;
+  if (answer.outcome == mission::InspectOutcome::kRefusedView && !exhausted) return;
+  mission::Inspection result;
+  result.area = *current_;
+  result.area_position = k.areas().at(*current_).area.position;
+  result.pose = k.odometry().pose;
+  result.done = k.now();
+  result.found = answer.outcome == mission::InspectOutcome::kFound;
+  result.findings = answer.found;
+  result.payload_bytes = static_cast<std::uint32_t>(answer.payload.size());
+  const std::size_t images = (answer.payload.size() + kImagePart_bytes - 1) / kImagePart_bytes;
+  result.parts = static_cast<std::uint32_t>(1 + images);
+  k.publish(store::RecordClass::kInspection, robot::result_key(result.area), result);
+  result.findings.clear();
+  for (std::uint32_t i = 0; i < images; ++i) {
+    const auto first = answer.payload.begin() + static_cast<std::ptrdiff_t>(i * kImagePart_bytes);
+    const auto left = static_cast<std::size_t>(answer.payload.end() - first);
+    result.part = i + 1;
+    result.payload.assign(first,
+                          first + static_cast<std::ptrdiff_t>(std::min(left, kImagePart_bytes)));
+    k.publish(store::RecordClass::kImage, robot::image_key(result.area, result.part), result);
+  }
+  current_.reset();
+}
+
+robot::Intent Slei3dInspector::wait(robot::Knowledge& k, const Orders& o) {
+  robot::Intent intent;
+  intent.activity = mission::Activity::kWaiting;
+  const double idle_s = (k.now() - idle_since_).s();
+  const auto heard = k.last_heard(o.leader);
+  const double unheard_s = heard ? (k.now() - *heard).s() : k.now().s();
+  if (unheard_s > kUnheard_s) {
+    intent.kind = robot::Intent::Kind::kGo;
+    intent.goal.p = k.config().start.p;
+    intent.through_unknown = true;
+    intent.reason = "explorer unheard: waiting where the station can be met";
+    return intent;
+  }
+  if (o.region == kNoRegion || (worked_ && idle_s < kWaitHere_s)) {
+    intent.reason = "waiting for work";
+    return intent;
+  }
+  intent.kind = robot::Intent::Kind::kGo;
+  intent.goal.p = gathering_place(k.mission(), o.region, k.self());
+  intent.through_unknown = true;
+  intent.tolerance_m = 1.0;
+  intent.reason = "waiting at the gathering place of region " + std::to_string(o.region.value);
+  return intent;
+}
+
+/// The route as the explorer needs it: where this inspector will be when, if nothing else is
+/// allocated.
+void Slei3dInspector::publish_route(robot::Knowledge& k, const Orders& o) {
+  if (route_published_ && routed_ == o.areas && routed_region_ == o.region) return;
+  // Areas only drop out as they are done: the times published before still hold.
+  const bool shorter = route_published_ && routed_region_ == o.region && !o.areas.empty() &&
+                       o.areas.size() < routed_.size() &&
+                       std::equal(o.areas.rbegin(), o.areas.rend(), routed_.rbegin());
+  routed_ = o.areas;
+  routed_region_ = o.region;
+  if (shorter) return;
+  route_published_ = true;
+  mission::Plan plan;
+  plan.kind = mission::PlanKind::kRoute;
+  SimTime t = k.now();
+  Vec3 p = k.position();
+  const auto step = [&](const Vec3& place, double yaw, mission::PlanAction action,
+                        const mission::AreaRef& area, double duration_s) {
+    t = t + Duration::from_s(1.3 * nav::travel_time_s((place - p).norm(), k.limits()) + 1.0);
+    p = place;
+    plan.steps.push_back({{t, {p, yaw}}, action, kNoRobot, area, static_cast<float>(duration_s)});
+    t = t + Duration::from_s(duration_s);
+  };
+  for (const mission::AreaRef& ref : o.areas) {
+    const mission::Area& area = k.areas().at(ref).area;
+    const Vec3 from = area.position + 2.0 * (area.sighted_from.p - area.position).normalized();
+    step(from, 0, mission::PlanAction::kInspect, ref, k.mission().inspect.hold_s);
+  }
+  if (!worked_ && o.region != kNoRegion) {
+    step(gathering_place(k.mission(), o.region, k.self()), 0, mission::PlanAction::kWait, {}, 0);
+  }
+  plan.steps.push_back({{t, {p, 0}}, mission::PlanAction::kWait, kNoRobot, {}, 0});
+  k.publish(store::RecordClass::kPlan, robot::plan_key(mission::PlanKind::kRoute), plan);
+}
+
+}  // namespace muster::agent

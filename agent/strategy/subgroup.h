@@ -1,0 +1,70 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "common/robot/knowledge.h"
+
+namespace muster::agent {
+
+/// An explorer's view of its inspectors (S0 IV-C): where each will be when, what it was given, whom
+/// to meet next, and who is lost. Built from what the radio brought: the inspector's own route and
+/// the explorer's own allocations.
+class Subgroup {
+ public:
+  struct Mate {
+    RobotId id;
+    SimTime seen;          ///< last contact
+    SimTime waited_since;  ///< where it is expected now
+    int missed = 0;        ///< meetings in a row at which it was not there; 2: lost (S0.15)
+    bool lost = false;
+  };
+  struct Visit {
+    RobotId mate;
+    Vec3 place = Vec3::Zero();
+    SimTime at;
+  };
+
+  /// Once per tick: who belongs to me by the station's newest assignment, who was heard, which
+  /// areas are not given to anybody.
+  void update(robot::Knowledge& k, RegionId region);
+
+  /// Shares the areas not given yet among the inspectors, and gives those in contact theirs.
+  /// Publishes the allocation record when it changed. `region`: where the group works; kNoRegion:
+  /// it is released.
+  void allocate(robot::Knowledge& k, RegionId region, std::vector<mission::PlanningTime>& planning);
+
+  /// Whom to visit now; nullopt: nobody. While exploring only who would otherwise stand idle; after
+  /// it whoever holds results or has not heard the newest allocation.
+  std::optional<Visit> next_visit(const robot::Knowledge& k, bool exploring) const;
+  /// Where `mate` is expected at `t`.
+  Vec3 expected_place(const robot::Knowledge& k, RobotId mate, SimTime t) const;
+  SimTime free_at(const robot::Knowledge& k, RobotId mate) const;
+  /// It was not where it was expected, for the tolerance.
+  void missed(robot::Knowledge& k, RobotId mate);
+
+  /// In contact, has heard the newest allocation, and everything it had is here.
+  bool settled(const robot::Knowledge& k, RobotId mate) const;
+  /// Every mate that is not lost has heard the newest allocation.
+  bool all_informed(const robot::Knowledge& k) const;
+  std::size_t open_areas() const { return open_.size(); }
+  /// Areas of the region whose results are not all here (given or not).
+  std::size_t outstanding(const robot::Knowledge& k, RegionId region) const;
+  const std::map<RobotId, Mate>& mates() const { return mates_; }
+
+ private:
+  bool mine(const robot::Knowledge& k, const mission::AreaRef& ref, RegionId region) const;
+  void publish(robot::Knowledge& k, RegionId region);
+
+  std::map<RobotId, Mate> mates_;
+  std::map<mission::AreaRef, RobotId> given_;
+  std::vector<mission::AreaRef> order_;  // of given_, as each inspector shall visit them
+  std::vector<mission::AreaRef> open_;
+  std::vector<RobotId> published_mates_;
+  RegionId published_region_ = kNoRegion;
+  bool published_ = false;
+  std::map<RobotId, bool> at_gathering_;
+};
+
+}  // namespace muster::agent

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/robot/knowledge.h"
+
+namespace muster::robot {
+
+/// The agreement of one pair, station and explorer, on when and where to be in contact next (DESIGN
+/// "Meetings"; S0 IV-B, S0.6). Both sides derive it from the same two records, the explorer's
+/// proposal and the station's acknowledgement of exactly that proposal:
+///
+///              propose m+1                     ack of m+1 heard in this contact
+///     agreed m ───────────▶ agreed m, pending m+1 ───────────────────────────────▶ agreed m+1
+///     (explorer, the proposer) agreed m ── proposal m+1 heard in contact, ack written
+///     ────────────────────▶ agreed m+1      (station, the acknowledger)
+///
+/// An acknowledgement that arrives after the contact is void: then the station follows m+1 and the
+/// explorer m, and both end on the same
+/// **standing rung**, the mission's place and times t0 + j·T. Rungs are tried in order; one whose
+/// window has passed was missed.
+class Agreement {
+ public:
+  Agreement(RobotId self, RobotId partner) : self_(self), partner_(partner) {}
+
+  RobotId partner() const { return partner_; }
+  /// Number of the last meeting agreed on; 0: none yet.
+  std::uint64_t number() const { return number_; }
+  bool pending() const { return pending_.has_value(); }
+
+  /// Explorer: proposes the next meeting. Publishes the record.
+  void propose(Knowledge& knowledge, std::vector<mission::Rung> ladder, RegionId region);
+  /// Once per tick, both sides: takes in what was heard. True in the tick in which a new agreement
+  /// was reached.
+  bool update(Knowledge& knowledge);
+  /// No meeting is wanted any more (explorer released by the station).
+  void clear();
+
+  /// Where and when to be next: the first rung whose window has not passed, else the next standing
+  /// rung.
+  mission::Rung next(const Knowledge& knowledge) const;
+  /// Rungs of the present ladder (standing ones included) that have passed without a new agreement.
+  int missed(const Knowledge& knowledge) const;
+
+ private:
+  bool hear_acknowledgement(Knowledge& knowledge);
+  bool acknowledge(Knowledge& knowledge);
+
+  RobotId self_, partner_;
+  std::uint64_t number_ = 0;
+  SimTime since_;  // when it was agreed
+  std::vector<mission::Rung> ladder_;
+  struct Pending {
+    std::uint64_t number;
+    std::vector<mission::Rung> ladder;
+  };
+  std::optional<Pending> pending_;
+  std::pair<std::uint64_t, std::uint64_t>
+      acknowledged_{};  // (epoch, seq) of the proposal last acknowledged
+};
+
+/// The j-th standing rung is [t0 + j·T, + window]; the first whose end lies after `now`.
+mission::Rung standing_rung(const mission::StandingConfig& standing, SimTime now);
+
+}  // namespace muster::robot

@@ -1,0 +1,340 @@
+#include "common/robot/executive.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace muster::robot {
+namespace {
+
+constexpr double kObstacleLife_s =
+    1.0;  // an unheard body may move: what was seen longer ago says little
+constexpr double kObstacleRadius_m = 0.3;
+constexpr double kRecheck_s = 0.2;
+constexpr double kRetry_s = 0.5;
+constexpr double kTransitReplan_s = 0.7;  // a little more than one scan period
+constexpr double kStepAsideAfter_s = 3.0;
+constexpr double kMoverMemory_s = 2.0;
+constexpr double kSettled_m = 0.12, kSettled_rad = 0.08;
+
+bool same_goal(const Intent& a, const Intent& b) {
+  return a.kind == b.kind && a.use_yaw == b.use_yaw && a.through_unknown == b.through_unknown &&
+         (a.goal.p - b.goal.p).norm() < 0.02 &&
+         (!a.use_yaw || std::abs(wrap_angle(a.goal.yaw_rad - b.goal.yaw_rad)) < 0.02) &&
+         a.area == b.area;
+}
+
+}  // namespace
+
+Executive::Executive(const mission::Mission& mission, RobotId self)
+    : self_(self),
+      radius_m_(mission.robot(self).vehicle.radius_m),
+      limits_(limits_of(mission.robot(self).vehicle)) {}
+
+void Executive::on_inspected(const mission::Inspected& inspected) {
+  if (!request_open_ || inspected.request != request_n_) return;
+  request_open_ = false;
+  progress_.inspected = inspected;
+}
+
+void Executive::on_unexplained(SimTime now, const std::vector<Vec3>& points) {
+  for (const Vec3& p : points) {
+    const auto near = std::find_if(obstacles_.begin(), obstacles_.end(),
+                                   [&](const Obstacle& o) { return (o.p - p).norm() < 0.2; });
+    if (near != obstacles_.end())
+      *near = {p, now + Duration::from_s(kObstacleLife_s)};
+    else
+      obstacles_.push_back({p, now + Duration::from_s(kObstacleLife_s)});
+  }
+}
+
+nav::State Executive::state(const Knowledge& k) const {
+  const mission::Odometry& o = k.odometry();
+  return {k.now(), o.pose.p, o.velocity_mps, o.pose.yaw_rad};
+}
+
+bool Executive::goes_first(const Knowledge& k, RobotId other) const {
+  if (!k.mission().has(other)) return true;
+  const auto rank = [&](RobotId id) { return std::pair(k.mission().robot(id).role, id); };
+  return rank(self_) < rank(other);
+}
+
+void Executive::look_around(Knowledge& k) {
+  const SimTime now = k.now();
+  std::erase_if(obstacles_, [&](const Obstacle& o) { return o.until < now; });
+  obstacle_spheres_.clear();
+  for (const Obstacle& o : obstacles_) obstacle_spheres_.push_back({o.p, kObstacleRadius_m});
+  movers_.clear();
+  for (const auto& [id, mate] : k.teammates()) {
+    if ((now - mate.heard).s() > kMoverMemory_s) continue;
+    nav::Mover mover{id, mate.beacon.radius_m, {}};
+    mover.announced.push_back({mate.beacon.mission_time, mate.beacon.pose.p,
+                               mate.beacon.velocity_mps, mate.beacon.pose.yaw_rad});
+    for (const mission::TimedPose& t : mate.beacon.trajectory) {
+      if (t.t > mover.announced.back().t)
+        mover.announced.push_back({t.t, t.pose.p, Vec3::Zero(), t.pose.yaw_rad});
+    }
+    movers_.push_back(std::move(mover));
+  }
+}
+
+Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
+  Commands commands;
+  const SimTime now = k.now();
+  progress_.inspected = request_open_ ? std::nullopt : std::move(progress_.inspected);
+  look_around(k);
+
+  if (!same_goal(intent, intent_)) {
+    if (request_open_) {
+      commands.inspect = mission::Inspect{};  // cancels
+      request_open_ = false;
+    }
+    progress_.inspected.reset();
+    plan_due_ = intent.kind != Intent::Kind::kHover;
+    if (intent.kind == Intent::Kind::kHover && !resting(now)) brake(k, commands);
+    blocked_since_.reset();
+    landing_ = false;
+    transit_stuck_ = 0;
+    progress_.state = Progress::State::kMoving;
+  }
+  intent_ = intent;
+
+  const bool safe = stay_safe(k, commands);
+  if (aside_until_) {
+    if (now < *aside_until_) return commands;
+    aside_until_.reset();
+    plan_due_ = true;
+  }
+  if (intent.kind == Intent::Kind::kHover) {
+    progress_.state = Progress::State::kIdle;
+    blocked_since_.reset();
+    return commands;
+  }
+  if (!safe) return commands;
+
+  const double off_m = (k.position() - intent.goal.p).norm();
+  const double off_rad =
+      intent.use_yaw ? std::abs(wrap_angle(k.odometry().pose.yaw_rad - intent.goal.yaw_rad)) : 0;
+  const bool precise = intent.use_yaw || intent.kind != Intent::Kind::kGo;
+  const bool there = off_m <= (precise ? std::min(intent.tolerance_m, 0.3) : intent.tolerance_m) &&
+                     off_rad <= kSettled_rad;
+
+  if (there && resting(now)) {
+    progress_.state = Progress::State::kArrived;
+    blocked_since_.reset();
+    plan_due_ = false;
+    if (intent.kind == Intent::Kind::kInspect && !request_open_ && !progress_.inspected) {
+      commands.inspect =
+          mission::Inspect{{}, ++request_n_, intent.area_position, k.mission().inspect.hold_s};
+      request_open_ = true;
+    }
+    if (intent.kind == Intent::Kind::kLand && !landing_) {
+      landing_ = true;
+      mission::Trajectory land;
+      land.id = ++trajectory_n_;
+      land.land = true;
+      commands.trajectory = land;
+      trajectory_ = {};
+    }
+    return commands;
+  }
+  if (landing_) return commands;
+
+  const bool retry = now >= plan_again_ && (resting(now) || intent.through_unknown);
+  if (plan_due_ || retry) {
+    plan_due_ = false;
+    plan_again_ = now + Duration::from_s(intent.through_unknown ? kTransitReplan_s : kRetry_s);
+    plan(k, intent, commands);
+  }
+  if (blocked_since_ && blocked_by_ != kNoRobot && resting(now)) {
+    const double patience_s = kStepAsideAfter_s * (goes_first(k, blocked_by_) ? 2 : 1);
+    if ((now - *blocked_since_).s() > patience_s) step_aside(k, commands);
+  }
+  progress_.blocked_s = blocked_since_ ? (now - *blocked_since_).s() : 0;
+  return commands;
+}
+
+/// Checks what is being flown; true when it may go on being flown (or the vehicle rests).
+bool Executive::stay_safe(Knowledge& k, Commands& commands) {
+  const SimTime now = k.now();
+  if (resting(now)) return true;
+  const bool due = k.map().revision() != checked_revision_ ||
+                   (now - checked_at_).s() >= kRecheck_s - 1e-9 || !obstacle_spheres_.empty();
+  if (!due) return true;
+  checked_revision_ = k.map().revision();
+  checked_at_ = now;
+  const auto unsafe = nav::check(trajectory_, now, k.map(), radius_m_, movers_, obstacle_spheres_);
+  if (!unsafe) return true;
+
+  const double ahead_s = (unsafe->t - now).s();
+  const double stop_s = k.odometry().velocity_mps.norm() / limits_.accel_mps2;
+  if (unsafe->robot != kNoRobot && goes_first(k, unsafe->robot) && ahead_s > stop_s + 1.2)
+    return true;  // the other one yields
+  if (ahead_s > stop_s + 2.0) {
+    plan_due_ = true;  // far enough ahead to find another way while moving
+    return true;
+  }
+  brake(k, commands);
+  blocked(now, "unsafe ahead: " + unsafe->with, unsafe->robot);
+  plan_again_ = now + Duration::from_s(kRetry_s);
+  return false;
+}
+
+void Executive::plan(Knowledge& k, const Intent& intent, Commands& commands) {
+  std::vector<map::Sphere> parked = obstacle_spheres_;
+  for (map::Sphere& s : parked) s.radius_m += radius_m_ + 0.1;
+  for (const nav::Mover& m : movers_) {
+    if (m.announced.back().t <= k.now() + Duration::from_s(1))
+      parked.push_back({m.announced.back().p, m.radius_m + radius_m_ + 0.2});
+  }
+  const auto found = k.paths().find(k.position(), intent.goal.p,
+                                    std::max(0.3, std::min(intent.tolerance_m, 1.5)), parked);
+  if (found.path) {
+    std::optional<double> yaw;
+    if (intent.use_yaw) yaw = intent.goal.yaw_rad;
+    fly(k, *found.path, yaw, commands);
+    return;
+  }
+  if (intent.through_unknown) {
+    plan_transit(k, intent, commands);
+    return;
+  }
+  // Parked teammates may be all that is in the way.
+  RobotId by = kNoRobot;
+  if (!parked.empty() &&
+      k.paths()
+          .find(k.position(), intent.goal.p, std::max(0.3, std::min(intent.tolerance_m, 1.5)))
+          .path) {
+    double nearest = 1e9;
+    for (const nav::Mover& m : movers_) {
+      const double d = (m.announced.back().p - k.position()).norm();
+      if (d < nearest) nearest = d, by = m.robot;
+    }
+  }
+  blocked(k.now(), found.reason, by);
+}
+
+void Executive::plan_transit(Knowledge& k, const Intent& intent, Commands& commands) {
+  const SimTime now = k.now();
+  std::erase_if(avoid_, [&](const auto& a) { return a.second < now; });
+  std::vector<map::Sphere> avoid;
+  for (const auto& [sphere, until] : avoid_) avoid.push_back(sphere);
+  std::vector<map::Sphere> parked = obstacle_spheres_;
+  for (map::Sphere& s : parked) s.radius_m += radius_m_ + 0.1;
+  for (const nav::Mover& m : movers_) {
+    if (m.announced.back().t <= now + Duration::from_s(1))
+      parked.push_back({m.announced.back().p, m.radius_m + radius_m_ + 0.2});
+  }
+  const auto way = k.paths().find_through_unknown(
+      k.position(), intent.goal.p, std::max(0.3, std::min(intent.tolerance_m, 1.5)), avoid, parked);
+  if (!way.path) {
+    if (avoid_.empty()) blocked(now, way.reason);
+    avoid_.clear();
+    return;
+  }
+  if (way.known.points.size() >= 2 && way.known.length_m() > 0.3) {
+    if ((k.position() - transit_from_).norm() > 0.5)
+      transit_stuck_ = 0, transit_from_ = k.position();
+    fly(k, way.known, std::nullopt, commands);
+    if (resting(now)) ++transit_stuck_;
+    return;
+  }
+  // At the edge of what is known: look at what comes next; when looking does not help, go round.
+  if (!resting(now)) return;
+  Vec3 next = way.path->points.back();
+  for (const Vec3& p : way.path->points) {
+    if ((p - k.position()).norm() > 0.5) {
+      next = p;
+      break;
+    }
+  }
+  if (++transit_stuck_ > 4) {
+    const Vec3 towards = (next - k.position()).normalized();
+    avoid_.push_back({{k.position() + 0.7 * towards, 0.5}, now + Duration::from_s(30)});
+    transit_stuck_ = 0;
+  }
+  const Vec3 d = next - k.position();
+  if (d.head<2>().norm() > 0.1) turn(k, std::atan2(d.y(), d.x()), commands);
+}
+
+bool Executive::fly(Knowledge& k, const nav::Path& path, std::optional<double> yaw,
+                    Commands& commands) {
+  for (const double scale : {1.0, 0.5}) {
+    nav::Trajectory t = nav::time_path(path, {state(k), yaw, scale}, limits_);
+    const auto unsafe = nav::check(t, k.now(), k.map(), radius_m_, movers_, obstacle_spheres_);
+    if (!unsafe) {
+      blocked_since_.reset();
+      command(k, std::move(t), commands);
+      progress_.state = Progress::State::kMoving;
+      return true;
+    }
+    if (scale < 1 || unsafe->robot == kNoRobot) {
+      // From rest, the free part of the way is worth flying; moving, what is being flown has been
+      // checked already.
+      if (resting(k.now())) blocked(k.now(), "unsafe: " + unsafe->with, unsafe->robot);
+      break;
+    }
+  }
+  return false;
+}
+
+void Executive::step_aside(Knowledge& k, Commands& commands) {
+  Vec3 away = Vec3::Zero();
+  for (const nav::Mover& m : movers_) {
+    if (m.robot == blocked_by_) away = k.position() - m.announced.back().p;
+  }
+  away.z() = 0;
+  const double base = away.norm() > 1e-3 ? std::atan2(away.y(), away.x()) : 0;
+  for (const double radius : {2.5, 1.5, 4.0}) {
+    for (const int turn_deg : {60, -60, 0, 30, -30, 90, -90, 120, -120, 150, -150, 180}) {
+      const double a = base + turn_deg * std::numbers::pi / 180;
+      const Vec3 goal = k.position() + radius * Vec3(std::cos(a), std::sin(a), 0);
+      if (!k.map().traversable(goal)) continue;
+      const auto found = k.paths().find(k.position(), goal, 0.3);
+      if (!found.path || found.path->length_m() > 2 * radius) continue;
+      nav::Trajectory t = nav::time_path(*found.path, {state(k), std::nullopt, 1}, limits_);
+      if (nav::check(t, k.now(), k.map(), radius_m_, movers_, obstacle_spheres_)) continue;
+      aside_until_ = t.end() + Duration::from_s(goes_first(k, blocked_by_) ? 0.5 : 2.0);
+      blocked_since_.reset();
+      command(k, std::move(t), commands);
+      return;
+    }
+  }
+  blocked_since_ = k.now();  // no room to step aside: wait on
+}
+
+void Executive::turn(Knowledge& k, double yaw_rad, Commands& commands) {
+  const nav::State here = state(k);
+  const double turn_rad = std::abs(wrap_angle(yaw_rad - here.yaw_rad));
+  if (turn_rad < kSettled_rad || here.v_mps.norm() > 0.05) return;
+  nav::State end = here;
+  end.v_mps.setZero();
+  end.yaw_rad = yaw_rad;
+  end.t = here.t + Duration::from_s(turn_rad / limits_.yaw_rate_radps + 0.1);
+  nav::State begin = here;
+  begin.v_mps.setZero();
+  command(k, nav::Trajectory({begin, end}), commands);
+}
+
+void Executive::brake(Knowledge& k, Commands& commands) {
+  command(k, nav::stop(state(k), limits_), commands);
+}
+
+void Executive::command(Knowledge& k, nav::Trajectory trajectory, Commands& commands) {
+  trajectory_ = std::move(trajectory);
+  checked_revision_ = k.map().revision();
+  checked_at_ = k.now();
+  mission::Trajectory message;
+  message.id = ++trajectory_n_;
+  for (const nav::State& s : trajectory_.states())
+    message.states.push_back({s.t, s.p, s.v_mps, s.yaw_rad});
+  commands.trajectory = std::move(message);
+}
+
+void Executive::blocked(SimTime now, std::string reason, RobotId by) {
+  if (!blocked_since_) blocked_since_ = now;
+  blocked_by_ = by;
+  progress_.state = Progress::State::kBlocked;
+  progress_.reason = std::move(reason);
+}
+
+}  // namespace muster::robot

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "common/mission/messages.h"
+#include "common/nav/trajectory.h"
+#include "common/robot/knowledge.h"
+#include "common/robot/strategy.h"
+
+namespace muster::robot {
+
+/// The flying half of a robot: turns an intent into trajectories that are checked before they are
+/// flown and again whenever the map or a teammate's announcement changes, and into inspection
+/// requests.
+///
+///     intent ─▶ path (A*) ─▶ timed trajectory ─▶ checked ─▶ flown ──┬─▶ arrived ─▶ inspect / land
+///                  ▲                              │ unsafe          │ unsafe ahead
+///                  └───────── wait, go round ◀────┴──── brake ◀─────┘
+///
+/// Right of way: the smaller (role, id) goes first; the other brakes, goes round, and after a while
+/// steps aside. Both brake when it gets close. Bodies seen but not heard (radio off, dead robots)
+/// are short-lived obstacles that everybody brakes for.
+class Executive {
+ public:
+  explicit Executive(const mission::Mission& mission, RobotId self);
+
+  struct Commands {
+    std::optional<mission::Trajectory> trajectory;
+    std::optional<mission::Inspect> inspect;
+  };
+  Commands step(Knowledge& knowledge, const Intent& intent);
+
+  /// The world's answer to an inspection: shown in the next progress.
+  void on_inspected(const mission::Inspected& inspected);
+  /// Returns of a scan that fit neither the map nor a teammate.
+  void on_unexplained(SimTime now, const std::vector<Vec3>& points);
+
+  const Progress& progress() const { return progress_; }
+  const nav::Trajectory& trajectory() const { return trajectory_; }
+
+ private:
+  struct Obstacle {
+    Vec3 p;
+    SimTime until;
+  };
+
+  void look_around(Knowledge& knowledge);
+  bool stay_safe(Knowledge& knowledge, Commands& commands);
+  void plan(Knowledge& knowledge, const Intent& intent, Commands& commands);
+  void plan_transit(Knowledge& knowledge, const Intent& intent, Commands& commands);
+  void step_aside(Knowledge& knowledge, Commands& commands);
+  bool fly(Knowledge& knowledge, const nav::Path& path, std::optional<double> yaw_rad,
+           Commands& commands);
+  void turn(Knowledge& knowledge, double yaw_rad, Commands& commands);
+  void brake(Knowledge& knowledge, Commands& commands);
+  void command(Knowledge& knowledge, nav::Trajectory trajectory, Commands& commands);
+  void blocked(SimTime now, std::string reason, RobotId by = kNoRobot);
+  bool resting(SimTime now) const { return trajectory_.empty() || now >= trajectory_.end(); }
+  nav::State state(const Knowledge& knowledge) const;
+  bool goes_first(const Knowledge& knowledge, RobotId other) const;
+
+  RobotId self_;
+  double radius_m_;
+  nav::Limits limits_;
+  Progress progress_;
+  Intent intent_;
+  nav::Trajectory trajectory_;
+  std::uint64_t trajectory_n_ = 0;
+  bool plan_due_ = false;
+  SimTime plan_again_;
+  std::optional<SimTime> blocked_since_;
+  RobotId blocked_by_ = kNoRobot;
+  std::optional<SimTime> aside_until_;
+
+  std::uint64_t checked_revision_ = 0;
+  SimTime checked_at_;
+  std::vector<nav::Mover> movers_;
+  std::vector<map::Sphere> obstacle_spheres_;
+  std::vector<Obstacle> obstacles_;
+
+  std::vector<std::pair<map::Sphere, SimTime>> avoid_;  // unknown space that led nowhere
+  Vec3 transit_from_ = Vec3::Zero();
+  int transit_stuck_ = 0;
+
+  std::uint64_t request_n_ = 0;
+  bool request_open_ = false;
+  bool landing_ = false;
+};
+
+}  // namespace muster::robot

@@ -1,0 +1,212 @@
+#include "common/robot/robot.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/core/log.h"
+#include "common/robot/stopwatch.h"
+
+namespace muster::robot {
+namespace {
+
+constexpr double kBeaconPeriod_s = 0.3;
+constexpr std::size_t kAirBudget_bytes = 256 * 1024;  // per tick: about 20 Mbit/s
+constexpr double kAnnounceStep_s = 0.5, kAnnounceSpan_s = 6.0;
+constexpr double kFreshMate_s =
+    0.5;  // DESIGN "Map and motion": returns fit a teammate heard within this
+
+}  // namespace
+
+Robot::Robot(const mission::Mission& mission, RobotId self, std::unique_ptr<Strategy> strategy,
+             std::uint64_t epoch)
+    : knowledge_(mission, self, epoch),
+      strategy_(std::move(strategy)),
+      executive_(mission, self),
+      stratum_(mission.robot(self).role == mission::Role::kStation ? 0 : 15) {}
+
+Robot::~Robot() = default;
+
+mission::StepOutput Robot::step(const mission::StepInput& input) {
+  log::set_time(input.now);
+  knowledge_.begin(input.now);
+  take_bus(input);
+  take_air(input);
+
+  Intent intent = strategy_->decide(knowledge_, executive_.progress());
+  if (auto overruled = guardian_.overrule(knowledge_)) intent = std::move(*overruled);
+  if (intent.reason != intent_.reason) log::info("{}", intent.reason);
+  intent_ = std::move(intent);
+
+  mission::StepOutput output;
+  {
+    Executive::Commands commands;
+    {
+      const Stopwatch watch(planning_, mission::PlanningStep::kPath);
+      commands = executive_.step(knowledge_, intent_);
+    }
+    if (!commands.trajectory) planning_.pop_back();  // only steps that planned count
+    send_bus(std::move(commands), output);
+  }
+  map_sharer_.step(knowledge_);
+  send_air(output);
+
+  output.trace = knowledge_.store().content_hash();
+  output.declares_complete = strategy_->declares_complete();
+  output.activity = intent_.activity;
+  output.planning = std::exchange(planning_, {});
+  for (const mission::PlanningTime& p : strategy_->take_planning()) output.planning.push_back(p);
+  return output;
+}
+
+void Robot::finish(const std::string& dir) {
+  if (knowledge_.config().role == mission::Role::kStation)
+    knowledge_.map().write_bt(dir + "/map.bt");
+}
+
+void Robot::take_bus(const mission::StepInput& input) {
+  for (const mission::Message& m : input.bus) {
+    switch (m.cls) {
+      case mission::MessageClass::kOdometry:
+        knowledge_.observe(dds::decode<mission::Odometry>(m));
+        break;
+      case mission::MessageClass::kBattery:
+        knowledge_.observe(dds::decode<mission::Battery>(m));
+        break;
+      case mission::MessageClass::kInspected:
+        executive_.on_inspected(dds::decode<mission::Inspected>(m));
+        break;
+      case mission::MessageClass::kOperatorRequest:
+        take_request(dds::decode<mission::OperatorRequest>(m));
+        break;
+      default:
+        break;
+    }
+  }
+  for (const mission::Message& m : input.bus) {
+    if (m.cls == mission::MessageClass::kScan) take_scan(dds::decode<mission::Scan>(m));
+    if (m.cls == mission::MessageClass::kSightings)
+      strategy_->on_sightings(knowledge_, dds::decode<mission::Sightings>(m));
+  }
+}
+
+void Robot::take_scan(const mission::Scan& scan) {
+  const Stopwatch watch(planning_, mission::PlanningStep::kMap);
+  std::vector<map::Sphere> mates;
+  for (const auto& [id, mate] : knowledge_.teammates()) {
+    const double age_s = (knowledge_.now() - mate.heard).s();
+    if (age_s > kFreshMate_s) continue;
+    mates.push_back({mate.beacon.pose.p + age_s * mate.beacon.velocity_mps, mate.beacon.radius_m});
+  }
+  map::RangeScan sweep;
+  sweep.time = scan.time;
+  sweep.sensor = scan.sensor;
+  sweep.pitch_rad = scan.pitch_rad;
+  sweep.columns = scan.columns;
+  sweep.rows = scan.rows;
+  sweep.hfov_rad = static_cast<double>(scan.hfov_rad);
+  sweep.vfov_rad = static_cast<double>(scan.vfov_rad);
+  sweep.range_m = static_cast<double>(scan.range_m);
+  sweep.range_mm = scan.range_mm;
+  executive_.on_unexplained(knowledge_.now(), knowledge_.map().integrate(sweep, mates).unexplained);
+  strategy_->on_scan(knowledge_, scan);
+}
+
+/// Only stations hear the operator; the request then spreads like any record.
+void Robot::take_request(const mission::OperatorRequest& request) {
+  mission::Status status;
+  status.kind = mission::StatusKind::kRequest;
+  status.request = request.verb;
+  status.robot = request.robot;
+  status.request_n = knowledge_.requests().empty() ? 1 : knowledge_.requests().rbegin()->first + 1;
+  knowledge_.publish(store::RecordClass::kRequest, request_key(status.request_n), status);
+}
+
+void Robot::take_air(const mission::StepInput& input) {
+  for (const mission::Message& m : input.air) {
+    try {
+      const mission::Envelope e = dds::peek_envelope(m.cdr);
+      if (m.cls == mission::MessageClass::kBeacon) {
+        const auto heard = dds::decode<mission::Beacon>(m);
+        stratum_ = std::min(stratum_, heard.stratum + 1);
+        knowledge_.hear(heard);
+      } else if (m.cls == mission::MessageClass::kExchangeEnd) {
+        const auto end = dds::decode<mission::ExchangeEnd>(m);
+        knowledge_.exchange().on_end(
+            e.src, e.n, {end.receiver, end.receiver_epoch, end.digest_n, end.first_n, end.entries});
+      } else if (mission::is_record(m.cls)) {
+        knowledge_.receive(e.src, e.n, dds::unwrap(m));
+      }
+    } catch (const BadInput& bad) {
+      log::warn("message refused: {}",
+                bad.what());  // a stranger's or corrupt message changes nothing
+    }
+  }
+}
+
+mission::Envelope Robot::envelope(mission::MessageClass cls) {
+  return {++sent_n_, knowledge_.self(), cls, knowledge_.now()};
+}
+
+void Robot::send_bus(Executive::Commands commands, mission::StepOutput& output) {
+  if (commands.trajectory) {
+    commands.trajectory->envelope = envelope(mission::MessageClass::kTrajectory);
+    output.bus.push_back(dds::encode(*commands.trajectory));
+    announce_ = true;
+  }
+  if (commands.inspect) {
+    commands.inspect->envelope = envelope(mission::MessageClass::kInspect);
+    output.bus.push_back(dds::encode(*commands.inspect));
+  }
+}
+
+void Robot::send_air(mission::StepOutput& output) {
+  const SimTime now = knowledge_.now();
+  for (const auto& action :
+       knowledge_.exchange().step(now, kAirBudget_bytes, [this] { return ++sent_n_; })) {
+    if (action.record) {
+      const mission::MessageClass cls = mission::message_class(action.record->header.cls);
+      output.air.push_back(dds::wrap({action.n, knowledge_.self(), cls, now}, *action.record));
+    } else if (action.end) {
+      const mission::Envelope e{action.n, knowledge_.self(), mission::MessageClass::kExchangeEnd,
+                                now};
+      output.air.push_back(dds::encode(
+          mission::ExchangeEnd{e, action.end->receiver, action.end->receiver_epoch,
+                               action.end->digest_n, action.end->first_n, action.end->entries}));
+    }
+  }
+  if (now >= beacon_due_ || announce_ || knowledge_.exchange().digest_due(now)) {
+    output.air.push_back(dds::encode(beacon()));
+    beacon_due_ = now + Duration::from_s(kBeaconPeriod_s);
+    announce_ = false;
+  }
+}
+
+mission::Beacon Robot::beacon() {
+  const SimTime now = knowledge_.now();
+  mission::Beacon b;
+  b.envelope = envelope(mission::MessageClass::kBeacon);
+  b.epoch = knowledge_.epoch();
+  b.mission_time = now;
+  b.pose = knowledge_.odometry().pose;
+  b.velocity_mps = knowledge_.odometry().velocity_mps;
+  b.role = knowledge_.config().role;
+  b.stratum = stratum_;
+  b.activity = intent_.activity;
+  b.radius_m = static_cast<float>(knowledge_.config().vehicle.radius_m);
+  b.battery = knowledge_.battery().charge;
+  const nav::Trajectory& t = executive_.trajectory();
+  for (double ahead_s = kAnnounceStep_s; !t.empty() && ahead_s <= kAnnounceSpan_s;
+       ahead_s += kAnnounceStep_s) {
+    const SimTime at = now + Duration::from_s(ahead_s);
+    const nav::State s = t.at(at);
+    b.trajectory.push_back({at, {s.p, s.yaw_rad}});
+    if (at >= t.end()) break;
+  }
+  if (knowledge_.exchange().digest_due(now)) {
+    b.digest_n = knowledge_.exchange().digest_sent(now);
+    b.digest = knowledge_.store().digest();
+  }
+  return b;
+}
+
+}  // namespace muster::robot

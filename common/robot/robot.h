@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+
+#include "common/mission/process.h"
+#include "common/robot/executive.h"
+#include "common/robot/guardian.h"
+#include "common/robot/knowledge.h"
+#include "common/robot/map_sharer.h"
+#include "common/robot/strategy.h"
+
+namespace muster::robot {
+
+/// One robot or station as a pure function of what reaches it. Once per tick:
+///
+///     bus, air ─▶ Knowledge ─▶ Strategy.decide ─▶ (Guardian may overrule) ─▶ Executive ─▶
+///     trajectory, inspection
+///                     │                                                                        │
+///                     └──────────── records, exchange, beacon ─▶ air ◀─── announced trajectory ┘
+class Robot : public mission::Process {
+ public:
+  Robot(const mission::Mission& mission, RobotId self, std::unique_ptr<Strategy> strategy,
+        std::uint64_t epoch);
+  ~Robot() override;
+
+  RobotId id() const override { return knowledge_.self(); }
+  mission::StepOutput step(const mission::StepInput& input) override;
+  void finish(const std::string& dir) override;
+
+  const Knowledge& knowledge() const { return knowledge_; }
+  const Intent& intent() const { return intent_; }
+  const Executive& executive() const { return executive_; }
+
+ private:
+  void take_bus(const mission::StepInput& input);
+  void take_air(const mission::StepInput& input);
+  void take_scan(const mission::Scan& scan);
+  void take_request(const mission::OperatorRequest& request);
+  void send_bus(Executive::Commands commands, mission::StepOutput& output);
+  void send_air(mission::StepOutput& output);
+  mission::Beacon beacon();
+  mission::Envelope envelope(mission::MessageClass cls);
+
+  Knowledge knowledge_;
+  std::unique_ptr<Strategy> strategy_;
+  Guardian guardian_;
+  Executive executive_;
+  MapSharer map_sharer_;
+  Intent intent_;
+  std::uint64_t sent_n_ = 0;
+  SimTime beacon_due_;
+  bool announce_ = false;
+  std::uint32_t stratum_;
+  std::vector<mission::PlanningTime> planning_;
+};
+
+}  // namespace muster::robot

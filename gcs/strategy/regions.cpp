@@ -1,0 +1,118 @@
+#include "gcs/strategy/regions.h"
+
+#include <algorithm>
+
+#include "common/route/allocate.h"
+
+namespace muster::gcs {
+
+Regions::Regions(const mission::Mission& mission)
+    : states_(mission.boxes.size(), mission::RegionState::kPending) {}
+
+std::optional<RegionId> Regions::nearest_pending(const robot::Knowledge& k,
+                                                 const Vec3& from) const {
+  std::optional<RegionId> best;
+  double best_m = 1e18;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    if (states_[i] != mission::RegionState::kPending) continue;
+    const double d = (k.mission().boxes[i].center - from).norm();
+    if (d < best_m) best_m = d, best = RegionId{static_cast<std::uint32_t>(i)};
+  }
+  return best;
+}
+
+void Regions::assign_all(robot::Knowledge& k) {
+  std::vector<double> volumes;
+  std::vector<RobotId> working;
+  for (const RobotId explorer : k.mission().with_role(mission::Role::kExplorer)) {
+    Group& group = groups_[explorer];
+    group.explorer = explorer;
+    if (const auto region = nearest_pending(k, k.mission().robot(explorer).start.p)) {
+      group.region = *region;
+      states_[region->value] = mission::RegionState::kAssigned;
+      volumes.push_back(k.mission().boxes[region->value].volume());
+      working.push_back(explorer);
+    } else {
+      group.released = true;
+    }
+  }
+  const auto inspectors = k.mission().with_role(mission::Role::kInspector);
+  const auto shares =
+      route::share_inspectors(static_cast<std::uint32_t>(inspectors.size()), volumes);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < working.size(); ++i) {
+    for (std::uint32_t n = 0; n < shares[i] && next < inspectors.size(); ++n)
+      groups_[working[i]].inspectors.push_back(inspectors[next++]);
+  }
+  publish(k);
+}
+
+bool Regions::results_complete(const robot::Knowledge& k, RegionId region) {
+  return std::all_of(k.areas().begin(), k.areas().end(), [&](const auto& a) {
+    if (a.second.area.region != region) return true;
+    const auto result = k.results().find(a.first);
+    return result != k.results().end() && result->second.complete();
+  });
+}
+
+bool Regions::report(robot::Knowledge& k, RobotId explorer) {
+  Group& group = groups_.at(explorer);
+  bool changed = std::exchange(group.lost, false);
+  const auto* health = k.health(explorer);
+  if (!health || health->body.regions.empty() || group.released) return changed;
+  const mission::RegionProgress& p = health->body.regions.front();
+  if (p.region != group.region) return changed;
+  if (p.state == mission::RegionState::kExplored)
+    states_[p.region.value] = mission::RegionState::kExplored;
+  if (p.state != mission::RegionState::kDone || !k.exchanged(explorer) ||
+      !results_complete(k, p.region))
+    return changed;
+
+  states_[p.region.value] = mission::RegionState::kDone;
+  group.inspectors.insert(group.inspectors.end(), orphans_.begin(), orphans_.end());
+  orphans_.clear();
+  if (const auto next = nearest_pending(k, k.mission().boxes[p.region.value].center)) {
+    group.region = *next;
+    states_[next->value] = mission::RegionState::kAssigned;
+  } else {
+    group.region = kNoRegion;
+    group.released = true;
+  }
+  publish(k);
+  return true;
+}
+
+void Regions::lost(robot::Knowledge& k, RobotId explorer) {
+  Group& group = groups_.at(explorer);
+  if (group.lost) return;
+  group.lost = true;
+  if (group.region != kNoRegion && states_[group.region.value] != mission::RegionState::kDone) {
+    states_[group.region.value] = mission::RegionState::kPending;
+  }
+  group.region = kNoRegion;
+  orphans_.insert(orphans_.end(), group.inspectors.begin(), group.inspectors.end());
+  group.inspectors.clear();
+  mission::Status status;
+  status.kind = mission::StatusKind::kLost;
+  status.robot = explorer;
+  k.publish(store::RecordClass::kRequest, robot::lost_key(explorer), status);
+  publish(k);
+}
+
+bool Regions::all_done() const {
+  return std::all_of(states_.begin(), states_.end(),
+                     [](auto s) { return s == mission::RegionState::kDone; });
+}
+
+void Regions::publish(robot::Knowledge& k) const {
+  mission::Plan plan;
+  plan.kind = mission::PlanKind::kAssignment;
+  for (const auto& [id, group] : groups_) {
+    plan.allocations.push_back({id, kNoRobot, group.region, {}});
+    for (const RobotId inspector : group.inspectors)
+      plan.allocations.push_back({inspector, id, group.region, {}});
+  }
+  k.publish(store::RecordClass::kPlan, robot::plan_key(mission::PlanKind::kAssignment), plan);
+}
+
+}  // namespace muster::gcs

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "common/robot/knowledge.h"
+
+namespace muster::gcs {
+
+/// The life of the bounding boxes (S0.4) and who works on them: pending → assigned → explored →
+/// done. Rolling assignment (S0.11): at first every explorer gets the nearest box and inspectors by
+/// volume (14); later a group whose box is done, with all its results here, gets the nearest
+/// pending one; none left: it is released.
+class Regions {
+ public:
+  explicit Regions(const mission::Mission& mission);
+
+  struct Group {
+    RobotId explorer;
+    RegionId region = kNoRegion;
+    std::vector<RobotId> inspectors;
+    bool released = false;
+    bool lost = false;
+  };
+
+  /// At the start: everybody gets something. Publishes the assignment record.
+  void assign_all(robot::Knowledge& k);
+  /// `explorer` is here and says how far it is. Gives it the next region when its own is done. True
+  /// when the assignment changed.
+  bool report(robot::Knowledge& k, RobotId explorer);
+  /// `explorer` was not seen at its standing rung: its box is pending again, its inspectors go to
+  /// whoever comes next (S0.16).
+  void lost(robot::Knowledge& k, RobotId explorer);
+
+  const std::map<RobotId, Group>& groups() const { return groups_; }
+  bool all_done() const;
+  /// Every area known here has its result here, image and all.
+  static bool results_complete(const robot::Knowledge& k, RegionId region);
+  mission::RegionState state(RegionId region) const { return states_[region.value]; }
+
+ private:
+  std::optional<RegionId> nearest_pending(const robot::Knowledge& k, const Vec3& from) const;
+  void publish(robot::Knowledge& k) const;
+
+  std::vector<mission::RegionState> states_;
+  std::map<RobotId, Group> groups_;
+  std::vector<RobotId> orphans_;
+};
+
+}  // namespace muster::gcs
