@@ -9,12 +9,14 @@
 
 #include "common/mission/messages.h"
 #include "common/mission/mission.h"
+#include "common/radio/channel.h"
 #include "commsim/world/scene.h"
 
 namespace muster::commsim {
 
 /// Why a message was not heard.
 enum class Drop : std::uint8_t { kNone, kRange, kWall, kDead, kScripted };
+inline constexpr std::size_t kDrops = 5;
 const char* to_string(Drop reason);
 
 /// The radio as a pure core: per message and receiver it decides by range and line of sight on the
@@ -23,6 +25,8 @@ const char* to_string(Drop reason);
 class Relay {
  public:
   Relay(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene);
+  /// With another idea of what stands between two places (tests).
+  Relay(const mission::Mission& mission, radio::LineOfSight line_of_sight);
   ~Relay();
 
   struct Outcome {
@@ -31,13 +35,17 @@ class Relay {
     std::uint64_t trace = 0;  ///< sends and deliveries with reasons of this tick
   };
   /// `sent`: everything sent on air in this tick, per sender's partition; refuses (and counts)
-  /// messages whose envelope is not the sender's.
+  /// messages whose envelope is not the sender's or not of an air topic. Dead is who was set so, or
+  /// whose vehicle is: it neither sends nor hears.
   Outcome step(const mission::Truth& truth,
                const std::map<RobotId, std::vector<mission::Message>>& sent);
 
   void set_alive(RobotId robot, bool alive);
-  nlohmann::json summary()
-      const;  ///< air{bytes, delivered, dropped{reason}} and contact intervals per pair
+  /// `{"air": {messages, bytes, delivered, delivered_bytes, refused, dropped: {reason: n},
+  /// by_topic: {topic: {messages, bytes}}},
+  ///   "contacts": [{"robots": [a, b], "seconds", "intervals": [[from_s, until_s], …]}]}`.
+  /// A contact lasts from the first beacon heard, either way, until none was heard for 1 s.
+  nlohmann::json summary() const;
 
  private:
   struct Impl;

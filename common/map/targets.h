@@ -50,8 +50,7 @@ class Targets {
   /// The feature detector looked from here (every Sightings message, also when it saw nothing).
   void looked(const Pose& sensor, double pitch_rad);
 
-  /// A range scan was integrated from here: a frontier that was looked at from close by, and still
-  /// is one, will not go away.
+  /// A range scan was integrated from here: a frontier that was looked at from close by, and still is one, will not go away.
   void scanned(const Pose& sensor);
 
   /// Brings clusters and viewpoints up to date with the map. `reachable(p)`: the body can get to p

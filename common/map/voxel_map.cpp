@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <deque>
+#include <fstream>
 #include <limits>
 
 #include "common/core/error.h"
@@ -240,7 +241,8 @@ void VoxelMap::write_bt(const std::string& path) const {
     }
     write_block(tree, b->key, evidence);
   }
-  if (!tree.writeBinary(path)) throw Failure(path + ": cannot be written");
+  std::ofstream file(path, std::ios::binary);
+  if (!file || !tree.writeBinary(file) || !file.flush()) throw Failure(path + ": cannot be written");
 }
 
 }  // namespace muster::map

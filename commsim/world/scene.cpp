@@ -119,7 +119,8 @@ std::optional<Hit> Scene::cast(const Vec3& origin, const Vec3& unit_direction, d
   Hit hit;
   hit.distance_m = static_cast<double>(r.ray.tfar);
   hit.normal = Eigen::Vector3f(r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z).cast<double>().normalized();
-  if (hit.normal.dot(unit_direction) > 0) hit.normal = -hit.normal;
+  hit.from_behind = hit.normal.dot(unit_direction) > 0;
+  if (hit.from_behind) hit.normal = -hit.normal;
   return hit;
 }
 

@@ -1,0 +1,110 @@
+#include "commsim/world/observable.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "commsim/world/view.h"
+
+namespace muster::world {
+namespace {
+
+constexpr double kSpacing_m = 0.1;
+constexpr double kMaxIncidence_rad = 80 * std::numbers::pi / 180;
+constexpr std::size_t kTriesPerVoxel = 4;
+
+struct Sample {
+  Voxel voxel;
+  Eigen::Vector3f point;
+  std::uint32_t triangle;
+};
+
+Vec3 corner(const Mesh& mesh, std::size_t t, int i) {
+  return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][i])].cast<double>();
+}
+
+/// Calls `use` for the centres of a grid of small triangles, `kSpacing_m` across.
+template <class F>
+void for_each_point(const Vec3& a, const Vec3& b, const Vec3& c, F use) {
+  const double longest = std::max({(b - a).norm(), (c - a).norm(), (c - b).norm()});
+  const int n = std::max(1, static_cast<int>(std::ceil(longest / kSpacing_m)));
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n - i; ++j) {
+      use(a + (i + 1.0 / 3) / n * (b - a) + (j + 1.0 / 3) / n * (c - a));
+    }
+  }
+}
+
+std::vector<Box> boxes_near(const mission::Mission& mission, const Vec3& low, const Vec3& high) {
+  std::vector<Box> near;
+  for (const Box& box : mission.boxes) {
+    if ((box.low().array() <= high.array()).all() && (box.high().array() >= low.array()).all()) {
+      near.push_back(box);
+    }
+  }
+  return near;
+}
+
+std::vector<Sample> surface_samples(const Mesh& mesh, const mission::Mission& mission) {
+  std::vector<Sample> samples;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 a = corner(mesh, t, 0), b = corner(mesh, t, 1), c = corner(mesh, t, 2);
+    const auto boxes = boxes_near(mission, a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
+    if (boxes.empty()) continue;
+    for_each_point(a, b, c, [&](const Vec3& p) {
+      if (std::none_of(boxes.begin(), boxes.end(), [&](const Box& o) { return o.contains(p); }))
+        return;
+      const Eigen::Vector3i v = (p / mission.resolution_m).array().floor().cast<int>();
+      samples.push_back({{v.x(), v.y(), v.z()}, p.cast<float>(), static_cast<std::uint32_t>(t)});
+    });
+  }
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const Sample& x, const Sample& y) { return x.voxel < y.voxel; });
+  return samples;
+}
+
+}  // namespace
+
+std::vector<Voxel> observable_surface(const Scene& scene, const mission::Mission& mission,
+                                      const ReachableSpace& reachable) {
+  std::vector<ViewRule> rules;
+  for (const RobotId id : mission.with_role(mission::Role::kExplorer)) {
+    const auto& vehicle = mission.robot(id).vehicle;
+    const ViewRule rule = ViewRule::of_camera(vehicle, vehicle.camera.range_m, kMaxIncidence_rad);
+    const bool known = std::any_of(rules.begin(), rules.end(), [&](const ViewRule& r) {
+      return r.min_elevation_rad == rule.min_elevation_rad &&
+             r.max_elevation_rad == rule.max_elevation_rad && r.range_m == rule.range_m;
+    });
+    if (!known && vehicle.camera.range_m > 0) rules.push_back(rule);
+  }
+  const Mesh& mesh = scene.mesh();
+  const ViewFinder finder(scene, reachable, mission);
+  const auto seen = [&](const Sample& s) {
+    const Vec3 a = corner(mesh, s.triangle, 0), b = corner(mesh, s.triangle, 1),
+               c = corner(mesh, s.triangle, 2);
+    const Vec3 n = (b - a).cross(c - a).normalized(), p = s.point.cast<double>();
+    for (const Vec3& normal : {Vec3(n), Vec3(-n)}) {
+      if (!finder.is_outside(p, normal)) continue;
+      for (const ViewRule& rule : rules) {
+        if (finder.find(p, normal, rule)) return true;
+      }
+    }
+    return false;
+  };
+  const std::vector<Sample> samples = surface_samples(mesh, mission);
+  std::vector<Voxel> voxels;
+  for (std::size_t i = 0, end = 0; i < samples.size(); i = end) {
+    end = i;
+    while (end < samples.size() && samples[end].voxel == samples[i].voxel) ++end;
+    // A few of the voxel's points, evenly: they may lie on different faces.
+    const std::size_t tries = std::min(kTriesPerVoxel, end - i);
+    for (std::size_t k = 0; k < tries; ++k) {
+      if (!seen(samples[i + k * (end - i) / tries])) continue;
+      voxels.push_back(samples[i].voxel);
+      break;
+    }
+  }
+  return voxels;
+}
+
+}  // namespace muster::world
