@@ -1,9 +1,25 @@
 #include "gcs/station.h"
 
 #include "common/robot/robot.h"
+#include "gcs/results_db.h"
 #include "gcs/strategy/slei3d_station.h"
 
 namespace muster::gcs {
+namespace {
+
+/// A robot whose store is the mission's product.
+class Station : public robot::Robot {
+ public:
+  using robot::Robot::Robot;
+
+  void finish(const std::string& dir) override {
+    robot::Robot::finish(dir);
+    write_results(knowledge(), dir + "/station.db");
+    knowledge().map().write_bt(dir + "/map.bt");
+  }
+};
+
+}  // namespace
 
 std::unique_ptr<mission::Process> make_station(const mission::Mission& mission, RobotId id,
                                                std::uint64_t epoch) {
@@ -12,8 +28,8 @@ std::unique_ptr<mission::Process> make_station(const mission::Mission& mission, 
   }
   if (mission.strategy != "slei3d")
     throw BadInput(mission.file + ": strategy: '" + mission.strategy + "' has no station");
-  return std::make_unique<robot::Robot>(mission, id, std::make_unique<Slei3dStation>(mission, id),
-                                        epoch);
+  return std::make_unique<Station>(mission, id, std::make_unique<Slei3dStation>(mission, id),
+                                   epoch);
 }
 
 }  // namespace muster::gcs
