@@ -1,5 +1,6 @@
 #include "commsim/world/site_check.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
