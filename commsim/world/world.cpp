@@ -5,6 +5,8 @@
 
 #include "common/core/hash.h"
 #include "common/dds/convert.h"
+#include "commsim/world/observable.h"
+#include "commsim/world/reachable.h"
 #include "commsim/world/site_check.h"
 #include "commsim/world/world_impl.h"
 
@@ -62,7 +64,6 @@ World::Impl::Impl(const mission::Mission& m, std::shared_ptr<const Scene> s, Fea
       ledger(features.features),
       coverage(mission, surface),
       activity(mission) {
-  check_site(mission, *scene);
   std::vector<mission::RobotConfig> fleet = mission.fleet;
   std::sort(fleet.begin(), fleet.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   for (const mission::RobotConfig& c : fleet) {
@@ -72,9 +73,22 @@ World::Impl::Impl(const mission::Mission& m, std::shared_ptr<const Scene> s, Fea
   refresh_bodies();
 }
 
+World::World(const mission::Mission& mission, std::shared_ptr<const Scene> scene) {
+  check_site(mission, *scene);
+  const ReachableSpace reachable(*scene, mission);
+  FeatureSet features = draw_features(*scene, mission, reachable);
+  std::vector<Vec3> surface;
+  for (const Voxel& v : observable_surface(*scene, mission, reachable)) {
+    surface.push_back(Vec3(v.x + 0.5, v.y + 0.5, v.z + 0.5) * mission.resolution_m);
+  }
+  impl_ = std::make_unique<Impl>(mission, std::move(scene), std::move(features), surface);
+}
+
 World::World(const mission::Mission& mission, std::shared_ptr<const Scene> scene,
-             FeatureSet features, const std::vector<Vec3>& surface)
-    : impl_(std::make_unique<Impl>(mission, std::move(scene), std::move(features), surface)) {}
+             FeatureSet features, const std::vector<Vec3>& surface) {
+  check_site(mission, *scene);
+  impl_ = std::make_unique<Impl>(mission, std::move(scene), std::move(features), surface);
+}
 World::~World() = default;
 
 // ---- a tick's samples
