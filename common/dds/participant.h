@@ -27,7 +27,10 @@ struct ParticipantConfig {
   std::uint32_t participant = 0;   ///< unique in the domain; 0 is the hub (robot id + 1 for robots)
   bool star = true;                ///< sim-localhost: know only the hub as initial peer; false: everyone finds everyone
   std::string network_interface;   ///< address or name; empty: loopback for sim-localhost, else the vendor's choice
-  std::vector<std::string> peers;  ///< static peers, for wired and wifi-unicast
+  std::vector<std::string> peers;  ///< static peers (host names or addresses), for wired and wifi-unicast
+  /// Test switch, 0: off. Received messages are held back for a random moment and handed over out of order. Also set for a whole
+  /// process by the environment variable MUSTER_DDS_SHUFFLE=<number>.
+  std::uint64_t shuffle_seed = 0;
 };
 
 /// How a topic endpoint behaves within its profile.
@@ -40,7 +43,9 @@ enum class Delivery {
 class Writer {
  public:
   virtual ~Writer() = default;
-  virtual void write(ByteView cdr) = 0;  ///< with encapsulation; thread-safe
+  /// `cdr` with its 4 bytes of encapsulation and, as convert makes it, of a length that is a multiple of 4. Thread-safe; never waits
+  /// for a reader. Throws Failure when the middleware refuses.
+  virtual void write(ByteView cdr) = 0;
   virtual int matched() const = 0;       ///< readers matched now
 };
 
@@ -55,6 +60,8 @@ using OnMessage = std::function<void(mission::Message&&)>;
 /// Called on a middleware thread when an endpoint's match count changes.
 using OnMatch = std::function<void()>;
 
+/// Writers and readers are destroyed before their participant. Destroying a reader waits for its running callback; afterwards there is
+/// none. As over radio, a participant does not hear itself.
 class Participant {
  public:
   virtual ~Participant() = default;
