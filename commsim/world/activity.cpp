@@ -112,7 +112,7 @@ void ActivityMeter::tick_inspector(Robot& r, const Doing& doing) {
 ActivityMeter::Totals ActivityMeter::idle() const {
   Totals t;
   for (const Robot& r : robots_) {
-    const double s = static_cast<double>(r.idle_ticks) * kTick.s();
+    const double s = static_cast<double>(r.idle_ticks) / kTicksPerSecond;
     if (r.role == mission::Role::kStation) t.gcs_s += s;
     if (r.role == mission::Role::kExplorer) t.explorers_s += s;
     if (r.role == mission::Role::kInspector) t.inspectors_s += s;
@@ -123,7 +123,7 @@ ActivityMeter::Totals ActivityMeter::idle() const {
 ActivityMeter::Totals ActivityMeter::waste() const {
   Totals t;
   for (const Robot& r : robots_) {
-    const double s = static_cast<double>(r.waste_ticks + r.pending_ticks) * kTick.s();
+    const double s = static_cast<double>(r.waste_ticks + r.pending_ticks) / kTicksPerSecond;
     if (r.role == mission::Role::kExplorer) t.explorers_s += s;
     if (r.role == mission::Role::kInspector) t.inspectors_s += s;
   }

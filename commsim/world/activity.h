@@ -43,8 +43,10 @@ class ActivityMeter {
   };
   Totals idle() const;
   Totals waste() const;
-  /// Share of its seconds so far in which this robot explored or inspected; for `muster report`.
-  double worked_s(std::size_t robot) const { return robots_[robot].worked_ticks * kTick.s(); }
+  /// How long this robot explored or inspected so far; for `muster report`.
+  double worked_s(std::size_t robot) const {
+    return static_cast<double>(robots_[robot].worked_ticks) / 10;
+  }
 
  private:
   /// Voxels seen, as blocks of 16³ bits: cheap to fill along rays, whatever the site's size.

@@ -40,6 +40,9 @@ Coverage::Coverage(const mission::Mission& mission, const std::vector<Vec3>& sur
 }
 
 void Coverage::received(const store::Record& record) {
+  // The same block comes by many ways; what is no newer than what was counted adds nothing.
+  auto& newest = newest_[{record.header.author.robot, record.header.key}];
+  if (record.header.version() <= newest) return;
   const auto body = dds::decode_body<mission::MapBlock>(record);
   if (std::abs(body.resolution_m - resolution_m_) > 1e-4) {
     throw BadInput("map block: resolution_m is not the mission's");
@@ -62,6 +65,7 @@ void Coverage::received(const store::Record& record) {
       }
     }
   }
+  newest = record.header.version();
 }
 
 void Coverage::occupied(map::VoxelKey k) {

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <optional>
+#include <map>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "common/map/voxel_map.h"
@@ -34,6 +35,7 @@ class Coverage {
   bool by_volume_;
   std::unordered_map<std::uint64_t, bool> surface_;  ///< looked up only, never walked
   std::unordered_set<std::uint64_t> known_;
+  std::map<std::pair<RobotId, std::uint64_t>, std::pair<std::uint64_t, std::uint64_t>> newest_;
   std::size_t total_ = 0, covered_ = 0;
 };
 

@@ -95,6 +95,7 @@ mission::VehicleState VehicleModel::state() const {
 
 void VehicleModel::step(SimTime from, Duration dt) {
   if (phase_ == Phase::kDown) return;
+  exact_ = false;
   if (abandoned(from) && phase_ == Phase::kFollow) {
     states_.clear();
     phase_ = Phase::kHold;
@@ -114,6 +115,7 @@ void VehicleModel::step(SimTime from, Duration dt) {
     case Phase::kDown:
       break;
   }
+  if (!exact_) reported_velocity_ = velocity_;
   if (!vehicle_.ground && !airborne_ && phase_ != Phase::kDown && phase_ != Phase::kDescend) {
     airborne_ = pose_.p.z() > touch_down_z_ + kTakeOffM;
   }
@@ -147,6 +149,8 @@ void VehicleModel::track(const Reference& target, Duration dt) {
   if (exact.norm() <= vehicle_.speed_mps * kSpeedSlack &&
       (exact - velocity_).norm() <= accel * kAccelSlack * h) {
     velocity_ = exact;
+    reported_velocity_ = target.v_mps;
+    exact_ = !vehicle_.ground;
   } else {
     // Behind: head for the target with the target's speed plus what can still be braked away over
     // the distance left.

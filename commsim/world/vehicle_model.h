@@ -48,7 +48,8 @@ class VehicleModel {
   void step(SimTime from, Duration dt);
 
   const Pose& pose() const { return pose_; }
-  const Vec3& velocity_mps() const { return velocity_; }
+  /// At this instant; while a trajectory is followed exactly, the trajectory's own.
+  const Vec3& velocity_mps() const { return reported_velocity_; }
   double yaw_rate_radps() const { return yaw_rate_; }
   mission::VehicleState state() const;
   /// In the air and clear of its touch-down spot: what `min_clearance_m` is about.
@@ -75,7 +76,9 @@ class VehicleModel {
   mission::Vehicle vehicle_;
   const Scene& scene_;
   Pose pose_;
-  Vec3 velocity_ = Vec3::Zero();
+  Vec3 velocity_ = Vec3::Zero();  ///< mean over the last sub-step
+  Vec3 reported_velocity_ = Vec3::Zero();
+  bool exact_ = false;  ///< in the last sub-step it was where its trajectory says
   double yaw_rate_ = 0;
   Phase phase_ = Phase::kHold;
   std::vector<mission::TimedState> states_;

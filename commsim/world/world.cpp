@@ -237,7 +237,11 @@ void World::end_tick(std::uint64_t k, const std::vector<mission::Message>& comma
   for (Impl::Robot& r : w.robots) r.fastest_mps = 0;
   for (int i = 0; i < kSubSteps; ++i) w.substep(w.now + kSubStep * i);
   w.refresh_bodies();
-  for (Impl::Robot& r : w.robots) w.look(r, w.now + kTick);
+  // What is asked from here on, until the next tick begins, is about the instant the motion has led
+  // to.
+  w.tick = k + 1;
+  w.now = time_of_tick(w.tick);
+  for (Impl::Robot& r : w.robots) w.look(r, w.now);
   w.account();
 }
 
@@ -287,7 +291,9 @@ void World::Impl::substep(SimTime from) {
     Robot& r = robots[i];
     const bool rested = r.vehicle.resting();
     r.vehicle.set_powered(energy.battery(i).charge > 0);
+    const Vec3 before = r.vehicle.pose().p;
     r.vehicle.step(from, kSubStep);
+    r.way_m += (r.vehicle.pose().p - before).norm();
     r.fastest_mps = std::max(r.fastest_mps, r.vehicle.velocity_mps().norm());
     if (!rested && r.vehicle.resting())
       event("landed", {{"robot", r.config.id.value}}, from + kSubStep);

@@ -33,6 +33,7 @@ struct World::Impl {
     Random scan_noise, lidar_noise, sighting_noise;
     bool alive = true;
     double fastest_mps = 0;  ///< in the last tick
+    double way_m = 0;        ///< flown or driven so far
     std::vector<mission::Inspected> results;
     std::vector<Vec3> ray_ends;
   };

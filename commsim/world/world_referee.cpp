@@ -12,8 +12,11 @@ constexpr double kCoverageGoal = 0.95;
 constexpr double kHomeM = 1.5;  // a landing counts as at the start within this, horizontally
 constexpr double kStandingMps = 0.05;
 
+/// Exact decimals: 1.8, not 1.7999999999999998.
+double in_s(SimTime t) { return static_cast<double>(t.us) / 1e6; }
+
 nlohmann::json seconds(const std::optional<SimTime>& t) {
-  return t ? nlohmann::json(t->s()) : nlohmann::json(nullptr);
+  return t ? nlohmann::json(in_s(*t)) : nlohmann::json(nullptr);
 }
 
 nlohmann::json number(const std::optional<double>& v) {
@@ -23,7 +26,7 @@ nlohmann::json number(const std::optional<double>& v) {
 }  // namespace
 
 void World::Impl::event(const char* what, nlohmann::json details, SimTime at) {
-  details["t_s"] = at.s();
+  details["t_s"] = in_s(at);
   details["event"] = what;
   events.push_back(std::move(details));
 }
@@ -41,7 +44,6 @@ void World::Impl::record_answer(RobotId by, const InspectionCamera::Answer& answ
 
 /// After every tick's motion: who worked, and whether everybody is home.
 void World::Impl::account() {
-  const SimTime at = now + kTick;
   if (!declared) {
     std::vector<ActivityMeter::Doing> doing;
     for (const Robot& r : robots) {
@@ -50,7 +52,7 @@ void World::Impl::account() {
     activity.tick(doing);
     return;
   }
-  if (!home_at && home()) home_at = at;
+  if (!home_at && home()) home_at = now;
 }
 
 bool World::Impl::home() const {
@@ -127,7 +129,7 @@ nlohmann::json World::summary() const {
   s["seed"] = w.mission.seed;
   s["complete"] = w.declared && delivered == total;
   s["declared"] = w.declared;
-  s["simulated_s"] = (w.now + kTick).s();
+  s["simulated_s"] = in_s(w.now);
   s["time_limit_s"] = w.mission.time_limit_s;
   s["t_s"] = seconds(both);
   s["delivered_time_s"] = seconds(all_delivered);
@@ -161,7 +163,16 @@ nlohmann::json World::summary() const {
   s["robots_lost"] = nlohmann::json::array();
   for (const Impl::Lost& l : w.lost) {
     s["robots_lost"].push_back(
-        {{"robot", l.robot.value}, {"t_s", l.at.s()}, {"revived_s", seconds(l.revived)}});
+        {{"robot", l.robot.value}, {"t_s", in_s(l.at)}, {"revived_s", seconds(l.revived)}});
+  }
+  s["robots"] = nlohmann::json::array();
+  for (std::size_t i = 0; i < w.robots.size(); ++i) {
+    const Impl::Robot& r = w.robots[i];
+    s["robots"].push_back({{"robot", r.config.id.value},
+                           {"role", static_cast<std::uint32_t>(r.config.role)},
+                           {"worked_s", w.activity.worked_s(i)},
+                           {"way_m", r.way_m},
+                           {"charge", w.energy.battery(i).charge}});
   }
   s["settings"] = {{"sighting_rate_hz", w.mission.sensing.sighting_rate_hz},
                    {"sighting_range_m", w.mission.sensing.sighting_range_m},

@@ -241,7 +241,7 @@ TEST_CASE("the mission is complete when it is declared and everything is deliver
   const auto summary = world.summary();
   CHECK(summary["finish_rate"] == 0.5);
   CHECK(summary["complete"] == false);
-  CHECK(summary["finish_time_s"] == 3.9);
+  CHECK(summary["finish_time_s"] == 4.0);
   CHECK(summary["delivered_time_s"].is_null());
   CHECK(summary["home_time_s"].is_null());
   CHECK(world.features_csv().find("0,0,3.000,2.000,2.000") != std::string::npos);
