@@ -12,7 +12,8 @@ struct Limits {
   bool ground = false;
 };
 
-/// Time from rest to rest over a straight `d_m`: 2√(d/a) for d ≤ v²/a, else d/v + v/a (FIELD-NOTES 2).
+/// Time from rest to rest over a straight `d_m`: 2√(d/a) for d ≤ v²/a, else d/v + v/a (FIELD-NOTES
+/// 2).
 double travel_time_s(double d_m, const Limits& limits);
 
 }  // namespace muster::nav
