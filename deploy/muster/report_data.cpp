@@ -174,22 +174,19 @@ void mark_lost(RunData& run) {
   }
 }
 
-/// The radio's contact intervals: `contacts: [{"a": 1, "b": 2, "from_s": 3.0, "until_s": 9.5}, …]`
-/// in the summary or under its `air`.
+/// The radio's contacts: `contacts: [{"robots": [1, 2], "intervals": [[3.0, 9.5], …]}, …]`.
 void read_contacts(RunData& run) {
-  json list = run.summary.value("contacts", json::array());
-  if (run.summary.contains("air") && run.summary["air"].is_object() && list.empty()) {
-    list = run.summary["air"].value("contacts", json::array());
-  }
-  if (!list.is_array()) return;
-  for (const json& c : list) {
-    const bool whole = c.is_object() && c.contains("a") && c["a"].is_number_unsigned() &&
-                       c.contains("b") && c["b"].is_number_unsigned() && c.contains("from_s") &&
-                       c["from_s"].is_number() && c.contains("until_s") && c["until_s"].is_number();
-    if (whole) {
-      run.contacts.push_back({c["a"].get<std::uint32_t>(), c["b"].get<std::uint32_t>(),
-                              c["from_s"].get<double>(), c["until_s"].get<double>()});
+  const json list = run.summary.contains("contacts") ? run.summary["contacts"] : json::array();
+  try {
+    for (const json& pair : list) {
+      const auto robots = pair.at("robots").get<std::array<std::uint32_t, 2>>();
+      for (const auto& [from_s, until_s] :
+           pair.at("intervals").get<std::vector<std::array<double, 2>>>()) {
+        run.contacts.push_back({robots[0], robots[1], from_s, until_s});
+      }
     }
+  } catch (const json::exception&) {
+    run.notes.push_back("contacts in summary.json are damaged");
   }
 }
 

@@ -129,15 +129,15 @@ void write_events(const std::string& path, double end_s) {
 
 json summary(double end_s) {
   json contacts = json::array();
-  for (double t = 70; t < end_s; t += 75) {
-    for (int robot = 2; robot < 5; ++robot) {
-      if (robot != 4 || t < kLost_s)
-        contacts.push_back(
-            {{"a", 1}, {"b", robot}, {"from_s", t + robot}, {"until_s", t + robot + 4}});
-    }
+  for (int robot = 2; robot < 5; ++robot) {
+    json intervals = json::array();
+    for (double t = 70; t < (robot == 4 ? kLost_s : end_s); t += 75)
+      intervals.push_back({t + robot, t + robot + 4});
+    contacts.push_back({{"robots", {1, robot}}, {"intervals", intervals}});
   }
-  for (double t = 120; t < end_s; t += 150)
-    contacts.push_back({{"a", 0}, {"b", 1}, {"from_s", t}, {"until_s", t + 12}});
+  json station = json::array();
+  for (double t = 120; t < end_s; t += 150) station.push_back({t, t + 12});
+  contacts.push_back({{"robots", {0, 1}}, {"intervals", station}});
   return {{"mission", "pagoda"},
           {"strategy", "slei3d"},
           {"seed", 1},

@@ -44,6 +44,7 @@ TEST_CASE("a report says the result, who was lost, and shows every part of the r
   CHECK_THAT(page, Contains("inspector 4 at 7:10"));
   CHECK_THAT(page, Contains("From above") && Contains("data:image/png;base64,"));
   CHECK_THAT(page, Contains("delivered <b>60</b>"));
+  CHECK_THAT(page, Contains("hears station 0 2:00–2:12"));
   CHECK_THAT(page, Contains("Planning, in milliseconds"));
   CHECK_FALSE(fs::exists(dir / "report.html.new"));
 }
