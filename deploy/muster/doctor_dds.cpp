@@ -42,13 +42,20 @@ std::uint32_t free_domain() {
   throw Failure("no DDS domain is free");
 }
 
+dds::ParticipantConfig on(Vendor vendor, std::uint32_t domain, std::uint32_t participant) {
+  dds::ParticipantConfig config;
+  config.vendor = vendor;
+  config.domain = domain;
+  config.participant = participant;
+  return config;
+}
+
 /// One end of the trial: says `word` on one partition, listens on another.
 class End {
  public:
   End(Vendor vendor, std::uint32_t domain, std::uint32_t participant, const std::string& says,
       const std::string& hears)
-      : participant_(dds::make_participant(
-            {.vendor = vendor, .domain = domain, .participant = participant})) {
+      : participant_(dds::make_participant(on(vendor, domain, participant))) {
     const auto wake = [this] {
       const std::lock_guard lock(mutex_);
       changed_.notify_all();
@@ -64,11 +71,11 @@ class End {
         wake);
   }
   bool await_match() {
-    std::unique_lock lock(mutex_);
-    // Polled too: a notification may come before the endpoint's own pointer is set.
     const auto until = std::chrono::steady_clock::now() + kPatience;
+    // `matched` is asked without the lock: the middleware may hold its own while it calls us.
     while (writer_->matched() == 0 || reader_->matched() == 0) {
       if (std::chrono::steady_clock::now() > until) return false;
+      std::unique_lock lock(mutex_);
       changed_.wait_for(lock, std::chrono::milliseconds(20));
     }
     return true;
