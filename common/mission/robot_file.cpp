@@ -20,7 +20,6 @@ void check(const RobotFile& robot, const YamlMap& map) {
   if (robot.bus_domain >= 100) map.fail("bus_domain", "must be below 100");
   if (robot.domain == robot.bus_domain)
     map.fail("bus_domain", "must differ from domain, or what is said on board goes on air");
-  if (robot.state_dir.empty()) map.fail("state_dir", "must name a folder");
 }
 
 }  // namespace
@@ -39,6 +38,8 @@ RobotFile RobotFile::load(const std::string& path) {
   map.read("bus_domain", robot.bus_domain);
   map.read("state_dir", robot.state_dir);
   map.finish();
+  if (robot.state_dir.empty())
+    robot.state_dir = "/var/lib/muster/" + std::to_string(robot.id.value);
   check(robot, map);
   const std::filesystem::path mission = robot.mission_file;
   if (mission.is_relative())

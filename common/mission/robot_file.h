@@ -20,7 +20,7 @@ struct RobotFile {
   std::vector<std::string> peers;  ///< static peers; wifi-unicast needs them
   std::uint32_t domain = 60;       ///< air, below 100
   std::uint32_t bus_domain = 61;   ///< never leaves this computer, below 100
-  std::string state_dir = "/var/lib/muster";
+  std::string state_dir;           ///< default: /var/lib/muster/<id>
 
   /// Reads and checks what can be checked without the network or the mission. Throws BadInput:
   /// `file:line: key: …`.

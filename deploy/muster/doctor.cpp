@@ -84,7 +84,7 @@ void run_doctor(const Options& options) {
   } else {
     std::fputs(to_text(checks, isatty(STDOUT_FILENO) != 0).c_str(), stdout);
   }
-  if (count(checks, Verdict::kBad) > 0) throw CLI::RuntimeError(kExitFailure);
+  if (count(checks, Verdict::kBad) > 0) throw Failure("a mission will fail on what is marked BAD");
 }
 
 }  // namespace

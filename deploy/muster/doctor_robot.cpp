@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
+#include <filesystem>
 
 #include "common/mission/mission.h"
 #include "common/mission/robot_file.h"
@@ -96,21 +96,30 @@ Checks check_peers(const RobotFile& robot) {
 
 /// Whether the one who runs agents (user `muster` where there is one, else whoever asks) can write
 /// there.
-Check check_state(const RobotFile& robot) {
+bool writable(const std::string& folder) {
   struct stat info {};
-  if (stat(robot.state_dir.c_str(), &info) != 0 || !S_ISDIR(info.st_mode)) {
-    return {kTopic, "state_dir " + robot.state_dir + " is no folder", Verdict::kBad,
-            "mkdir -p " + robot.state_dir + " && chown muster: " + robot.state_dir};
-  }
   const passwd* user = getpwnam("muster");
-  const bool writable = user && geteuid() == 0
-                            ? info.st_uid == user->pw_uid && (info.st_mode & S_IWUSR)
-                            : access(robot.state_dir.c_str(), W_OK) == 0;
-  if (!writable)
+  if (!user || geteuid() != 0) return access(folder.c_str(), W_OK) == 0;
+  return stat(folder.c_str(), &info) == 0 && info.st_uid == user->pw_uid &&
+         (info.st_mode & S_IWUSR);
+}
+
+Check check_state(const RobotFile& robot) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (fs::is_directory(robot.state_dir, error)) {
+    if (writable(robot.state_dir))
+      return {kTopic, "state in " + robot.state_dir, Verdict::kGood, ""};
     return {kTopic,
             "state_dir " + robot.state_dir + " cannot be written: nothing would survive a restart",
-            Verdict::kBad, "chown muster: " + robot.state_dir};
-  return {kTopic, "state in " + robot.state_dir, Verdict::kGood, ""};
+            Verdict::kBad, "chown -R muster: " + robot.state_dir};
+  }
+  if (writable(fs::path(robot.state_dir).parent_path().string())) {
+    return {kTopic, "state_dir " + robot.state_dir + " is made at the first start", Verdict::kGood,
+            ""};
+  }
+  return {kTopic, "state_dir " + robot.state_dir + " is no folder", Verdict::kBad,
+          "install -d -o muster " + robot.state_dir};
 }
 
 Check check_domains(const RobotFile& robot) {
