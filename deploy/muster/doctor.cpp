@@ -27,8 +27,8 @@ Checks examine(const Options& options) {
   add(check_ports());
   add(check_buffers());
   add(check_shared_memory());
-  add(check_clock());
   add(check_processes());
+  add(check_clock());
   add(check_vendors());
   if (!options.no_dds) add(check_matching());
   if (!options.config.empty()) add(check_robot_file(options.config));

@@ -90,7 +90,10 @@ Checks check_peers(const RobotFile& robot) {
     }
   }
   if (checks.empty() && !robot.peers.empty())
-    checks.push_back({kTopic, std::to_string(robot.peers.size()) + " peers", Verdict::kGood, ""});
+    checks.push_back(
+        {kTopic,
+         std::to_string(robot.peers.size()) + (robot.peers.size() == 1 ? " peer" : " peers"),
+         Verdict::kGood, ""});
   return checks;
 }
 

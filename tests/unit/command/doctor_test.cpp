@@ -48,3 +48,36 @@ TEST_CASE("the doctor's summary says the worst, for people and for machines") {
 TEST_CASE("a robot's file that names no mission is bad input") {
   CHECK_THROWS_AS(check_robot_file("/nonexistent/3.yaml"), BadInput);
 }
+
+TEST_CASE("both vendors are loaded, meet each other and talk") {
+  for (const Check& check : check_vendors()) CHECK(check.verdict == Verdict::kGood);
+  const Checks meetings = check_matching();
+  CHECK(meetings.size() == 4);
+  for (const Check& check : meetings) {
+    CAPTURE(check.found);
+    CHECK(check.verdict == Verdict::kGood);
+  }
+}
+
+TEST_CASE("a robot's file is checked against the mission and this computer") {
+  const fs::path folder = fs::temp_directory_path() / "muster_doctor_robot";
+  fs::remove_all(folder);
+  fs::create_directories(folder / "state");
+  const auto check = [&](const std::string& lines) {
+    const fs::path path = folder / "3.yaml";
+    std::ofstream(path) << "mission: " MUSTER_SOURCE_DIR "/deploy/missions/pagoda.yaml\nstate_dir: "
+                        << (folder / "state").string() << "\n"
+                        << lines;
+    return to_text(check_robot_file(path.string()), false);
+  };
+  CHECK_THAT(check("id: 1\ninterface: lo\nprofile: wifi-unicast\npeers: [10.42.0.1]\n"),
+             Contains("robot 1 of mission pagoda") && Contains("interface lo is up") &&
+                 Contains("1 peer") && Contains("Fit to fly"));
+  CHECK_THAT(check("id: 99\ninterface: lo\n"),
+             Contains("robot 99 is not in the fleet") && Contains("the fleet is "));
+  CHECK_THAT(check("id: 1\ninterface: nosuch0\n"), Contains("there is no interface nosuch0"));
+  CHECK_THAT(check("id: 1\ninterface: lo\n"),
+             Contains("lo has no multicast, and no peers are listed"));
+  CHECK_THAT(check("id: 1\ninterface: lo\npeers: [not.a.host.invalid]\n"),
+             Contains("not.a.host.invalid is neither an address nor a known name"));
+}
