@@ -50,7 +50,8 @@ class Targets {
   /// The feature detector looked from here (every Sightings message, also when it saw nothing).
   void looked(const Pose& sensor, double pitch_rad);
 
-  /// A range scan was integrated from here: a frontier that was looked at from close by, and still is one, will not go away.
+  /// A scan taken from here has been integrated into the map: what it should have made known and
+  /// did not is given up after a few times.
   void scanned(const Pose& sensor);
 
   /// Brings clusters and viewpoints up to date with the map. `reachable(p)`: the body can get to p
@@ -62,8 +63,9 @@ class Targets {
   /// Clusters without a viewpoint, with the reason: they no longer keep the region from being
   /// explored (RULES "When things are done").
   const std::vector<Refused>& refused() const;
-  /// Nothing left: no frontier cluster ≥ min_cluster_m2 that a reachable pose sees, and no surface
-  /// owed looks that a reachable pose gives.
+  /// False while nothing of the box is known. Then: nothing left: no frontier cluster ≥
+  /// min_cluster_m2 that a reachable pose sees, and no surface owed looks that a reachable pose
+  /// gives.
   bool done() const;
   double frontier_m2() const;
   double owed_surface_m2() const;

@@ -242,7 +242,8 @@ void VoxelMap::write_bt(const std::string& path) const {
     write_block(tree, b->key, evidence);
   }
   std::ofstream file(path, std::ios::binary);
-  if (!file || !tree.writeBinary(file) || !file.flush()) throw Failure(path + ": cannot be written");
+  if (!file || !tree.writeBinary(file) || !file.flush())
+    throw Failure(path + ": cannot be written");
 }
 
 }  // namespace muster::map

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "common/map/cell_clusters.h"
+
+namespace muster::map {
+
+/// The voxels of one box that are worth looking at, kept up to date block by block:
+///
+/// | marks      | a voxel that is … |
+/// |------------|--------------------------------------------------------------------------------------|
+/// | frontier   | free, in the box, beside an unknown one in the box, and not given up | | owed |
+/// occupied, in the box, at least 0.8 m high, beside a free one, looked at too rarely    |
+class RegionCells {
+ public:
+  RegionCells(const VoxelMap& map, const Box& box, std::uint32_t looks, double max_extent_m);
+
+  /// Takes in what changed in the map.
+  void update();
+  /// Voxels of the box that became known since the start; never shrinks.
+  std::uint64_t growth() const { return growth_; }
+  bool any_known() const { return growth_ > 0; }
+
+  CellClusters& frontier() { return frontier_; }
+  CellClusters& owed() { return owed_; }
+
+  bool unknown_in_box(VoxelKey k) const;
+  /// A scan should have resolved this frontier voxel and did not. After a few times it is given up.
+  void looked_in_vain(VoxelKey frontier);
+  /// This surface voxel was in view at a look of the detector.
+  void count_look(VoxelKey surface);
+  /// Applies what `looked_in_vain` and `count_look` noted.
+  void settle();
+
+  /// Marked cells of `clusters` in blocks within `range_m` of `p`, in order.
+  template <class Visit>
+  void near(const CellClusters& clusters, const Vec3& p, double range_m, Visit visit) const {
+    const double side = map_.config().resolution_m * kBlockSide;
+    for (std::size_t s = 0; s < slots_.size(); ++s) {
+      const Vec3 low = Vec3(slots_[s].key.x, slots_[s].key.y, slots_[s].key.z) * side;
+      const Vec3 outside = (low - p).cwiseMax(p - low - Vec3::Constant(side)).cwiseMax(0.0);
+      if (outside.squaredNorm() > range_m * range_m) continue;
+      for_each_bit(clusters.marks(s), [&](int i) { visit(voxel_in(slots_[s].key, i)); });
+    }
+  }
+
+ private:
+  struct Slot {
+    BlockKey key;
+    Plane inside{}, unknown{}, high_enough{};
+    Plane given_up{}, seen{};
+    std::map<int, std::uint8_t> vain;  ///< few
+    std::vector<std::uint8_t> looks;   ///< empty until the first
+    int known = 0;
+    bool dirty = false;
+  };
+  Slot* slot_of(BlockKey b);
+  void mark_around(std::size_t slot);
+  void recompute(std::size_t slot);
+
+  const VoxelMap& map_;
+  std::uint32_t looks_;
+  std::vector<Slot> slots_;
+  std::map<BlockKey, std::size_t> index_;
+  CellClusters::Neighbours neighbours_;
+  CellClusters frontier_, owed_;
+  std::uint64_t cursor_ = 0, growth_ = 0;
+};
+
+}  // namespace muster::map

@@ -1,0 +1,290 @@
+#include "common/map/targets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "common/map/region_cells.h"
+#include "common/map/visibility.h"
+
+namespace muster::map {
+namespace {
+
+constexpr int kSearchesPerUpdate = 6;  // new or changed clusters
+constexpr int kSearchesWhenIdle = 24;  // nothing else to go to: the robot waits for these
+constexpr std::uint64_t kGrowthThatMatters =
+    40;                           // voxels become known: refused clusters are tried again
+constexpr int kVisitsInVain = 4;  // counted 2 for a scan from the very viewpoint, 1 from near it
+constexpr double kSameClusterM = 1.0;
+
+struct Tracked {
+  CellCluster cluster;
+  Vec3 centroid = Vec3::Zero();
+  std::uint32_t id = 0;
+  bool surface = false;
+  std::vector<Viewpoint> views;
+  std::vector<Vec3> avoid;  ///< viewpoints that brought nothing
+  bool searched = false;    ///< for these very cells
+  std::uint64_t searched_growth = 0;
+  int visits = 0;
+  std::size_t cells_at_visit = 0;
+  bool exhausted = false;  ///< looked at from its viewpoints, in vain
+};
+
+bool similar(std::size_t a, std::size_t b) { return std::max(a, b) * 10 <= std::min(a, b) * 11; }
+
+}  // namespace
+
+struct Targets::Impl {
+  Impl(const VoxelMap& m, const Box& b, const TargetConfig& c)
+      : map(m), config(c), cells(m, b, c.looks, c.max_cluster_extent_m), search(m, cells, c) {}
+
+  struct Look {
+    Pose sensor;
+    double pitch_rad;
+  };
+
+  const VoxelMap& map;
+  TargetConfig config;
+  RegionCells cells;
+  ViewpointSearch search;
+  std::vector<Pose> scans;
+  std::vector<Look> looks;
+  std::vector<Tracked> frontier, owed;
+  std::uint32_t next_id = 1;
+  std::vector<Viewpoint> viewpoints;
+  std::vector<Refused> refused;
+  double frontier_m2 = 0, owed_m2 = 0;
+  bool done = false;
+
+  bool is_owed(const Tracked& t) const {
+    return t.cluster.group_m2 >= config.min_cluster_m2 - 1e-9;
+  }
+
+  void take_scans();
+  void take_looks();
+  void visit(std::vector<Tracked>& clusters, const Pose& sensor,
+             const std::vector<VoxelKey>& progress);
+  void track(CellClusters& source, bool surface, std::vector<Tracked>& tracked);
+  void drop_blocked_views(std::vector<Tracked>& tracked);
+  void search_viewpoints(const std::function<bool(const Vec3&)>& reachable);
+  void sum_up();
+};
+
+void Targets::Impl::take_scans() {
+  for (const Pose& sensor : scans) {
+    // What this scan should have made known and did not.
+    FieldOfView fov = search.reliable(false);
+    fov.range_m *= 0.97;
+    std::vector<VoxelKey> stubborn;
+    cells.near(cells.frontier(), sensor.p, fov.range_m, [&](VoxelKey k) {
+      if (!fov.contains(sensor, config.pitch_rad, map.center(k))) return;
+      if (sighted(map, frontier_aim(map, cells, k), sensor.p, fov.range_m)) stubborn.push_back(k);
+    });
+    for (const VoxelKey& k : stubborn) cells.looked_in_vain(k);
+    visit(frontier, sensor, {});
+  }
+  scans.clear();
+}
+
+void Targets::Impl::take_looks() {
+  for (const Look& look : looks) {
+    const FieldOfView fov = search.reliable(true);
+    std::vector<VoxelKey> seen;
+    cells.near(cells.owed(), look.sensor.p, fov.range_m, [&](VoxelKey k) {
+      if (!fov.contains(look.sensor, look.pitch_rad, map.center(k))) return;
+      if (sighted(map, surface_aim(map, k), look.sensor.p, fov.range_m)) seen.push_back(k);
+    });
+    for (const VoxelKey& k : seen) cells.count_look(k);
+    visit(owed, look.sensor, seen);
+  }
+  looks.clear();
+}
+
+void Targets::Impl::visit(std::vector<Tracked>& clusters, const Pose& sensor,
+                          const std::vector<VoxelKey>& progress) {
+  for (Tracked& t : clusters) {
+    const auto is_own = [&](const VoxelKey& k) {
+      return std::find(t.cluster.cells.begin(), t.cluster.cells.end(), k) != t.cluster.cells.end();
+    };
+    for (std::size_t v = 0; v < t.views.size(); ++v) {
+      const double off_m = (t.views[v].pose.p - sensor.p).norm();
+      const double off_rad = std::abs(wrap_angle(t.views[v].pose.yaw_rad - sensor.yaw_rad));
+      if (off_m > 0.5 || off_rad > 0.3) continue;
+      if (std::any_of(progress.begin(), progress.end(), is_own)) break;
+      if (t.visits == 0 || !similar(t.cells_at_visit, t.cluster.cells.size())) {
+        t.visits = 0;
+        t.cells_at_visit = t.cluster.cells.size();
+      }
+      t.visits += off_m < 0.25 && off_rad < 0.15 ? 2 : 1;
+      if (t.visits < kVisitsInVain) break;
+      // Once more from elsewhere, then enough.
+      t.exhausted = !t.avoid.empty();
+      t.avoid.push_back(t.views[v].pose.p);
+      t.views.clear();
+      t.searched = false;
+      t.visits = 0;
+      break;
+    }
+  }
+}
+
+void Targets::Impl::track(CellClusters& source, bool surface, std::vector<Tracked>& tracked) {
+  if (!source.changed()) return;
+  std::vector<Tracked> old = std::move(tracked);
+  tracked.clear();
+  std::map<std::uint64_t, std::size_t> by_fingerprint;
+  for (std::size_t i = 0; i < old.size(); ++i)
+    by_fingerprint.emplace(old[i].cluster.fingerprint, i);
+  std::vector<bool> taken(old.size(), false);
+  std::vector<CellCluster> fresh;
+  for (CellCluster& c : source.clusters()) {
+    const auto it = by_fingerprint.find(c.fingerprint);
+    if (it == by_fingerprint.end() || taken[it->second]) {
+      fresh.push_back(std::move(c));
+      continue;
+    }
+    taken[it->second] = true;
+    tracked.push_back(std::move(old[it->second]));
+    tracked.back().cluster = std::move(c);
+  }
+  for (CellCluster& c : fresh) {
+    Tracked t;
+    t.surface = surface;
+    for (const VoxelKey& k : c.cells) t.centroid += map.center(k);
+    t.centroid /= static_cast<double>(c.cells.size());
+    t.cluster = std::move(c);
+    // What is left of an older one, or has grown from it, keeps its number and until it is searched
+    // its viewpoints.
+    std::size_t nearest = old.size();
+    double nearest_m = kSameClusterM;
+    for (std::size_t i = 0; i < old.size(); ++i) {
+      const double m = (old[i].centroid - t.centroid).norm();
+      if (!taken[i] && m < nearest_m) {
+        nearest = i;
+        nearest_m = m;
+      }
+    }
+    if (nearest < old.size()) {
+      taken[nearest] = true;
+      Tracked& o = old[nearest];
+      t.id = o.id;
+      t.views = std::move(o.views);
+      t.searched_growth = o.searched_growth;
+      if (similar(o.cluster.cells.size(), t.cluster.cells.size())) {
+        t.avoid = std::move(o.avoid);
+        t.exhausted = o.exhausted;
+        t.visits = o.visits;
+        t.cells_at_visit = o.cells_at_visit;
+      }
+    } else {
+      t.id = next_id++;
+    }
+    tracked.push_back(std::move(t));
+  }
+  std::sort(tracked.begin(), tracked.end(),
+            [](const Tracked& a, const Tracked& b) { return a.id < b.id; });
+}
+
+void Targets::Impl::drop_blocked_views(std::vector<Tracked>& tracked) {
+  for (Tracked& t : tracked) {
+    const std::size_t before = t.views.size();
+    std::erase_if(t.views, [&](const Viewpoint& v) { return !map.traversable(v.pose.p); });
+    if (t.views.size() != before) t.searched = false;
+  }
+}
+
+void Targets::Impl::search_viewpoints(const std::function<bool(const Vec3&)>& reachable) {
+  bool anything = false;
+  for (const auto* list : {&frontier, &owed}) {
+    for (const Tracked& t : *list) anything |= !t.views.empty() && is_owed(t);
+  }
+  int budget = anything ? kSearchesPerUpdate : kSearchesWhenIdle;
+  // First what never was searched, then what was refused longest ago.
+  std::vector<Tracked*> queue;
+  for (auto* list : {&frontier, &owed}) {
+    for (Tracked& t : *list) {
+      if (!is_owed(t) || t.exhausted) continue;
+      const bool stale =
+          t.views.empty() && cells.growth() >= t.searched_growth + kGrowthThatMatters;
+      if (!t.searched || stale) queue.push_back(&t);
+    }
+  }
+  std::stable_sort(queue.begin(), queue.end(), [](const Tracked* a, const Tracked* b) {
+    const auto rank = [](const Tracked& t) { return t.searched ? 2 : t.views.empty() ? 0 : 1; };
+    const int ra = rank(*a), rb = rank(*b);
+    return ra != rb ? ra < rb : a->searched_growth < b->searched_growth;
+  });
+  for (Tracked* t : queue) {
+    if (budget-- == 0) break;
+    t->views = search.find({&t->cluster.cells, t->surface, &t->avoid}, reachable);
+    for (Viewpoint& v : t->views) v.cluster = t->id;
+    t->searched = true;
+    t->searched_growth = cells.growth();
+  }
+}
+
+void Targets::Impl::sum_up() {
+  viewpoints.clear();
+  refused.clear();
+  frontier_m2 = owed_m2 = 0;
+  done = cells.any_known();
+  const double cell_m2 = map.config().resolution_m * map.config().resolution_m;
+  for (const auto* list : {&frontier, &owed}) {
+    for (const Tracked& t : *list) {
+      const double area_m2 = static_cast<double>(t.cluster.cells.size()) * cell_m2;
+      const auto refuse = [&](std::string reason) {
+        refused.push_back({t.centroid, area_m2, std::move(reason)});
+      };
+      const std::string what = t.surface ? "surface" : "frontier";
+      if (!is_owed(t)) {
+        char least[32];
+        std::snprintf(least, sizeof least, "%.1f m²", config.min_cluster_m2);
+        refuse(what + ": smaller than " + least);
+      } else if (t.exhausted) {
+        refuse(what + ": looked at from its viewpoints, nothing became known");
+      } else if (!t.views.empty()) {
+        viewpoints.insert(viewpoints.end(), t.views.begin(), t.views.end());
+        (t.surface ? owed_m2 : frontier_m2) += area_m2;
+        done = false;
+      } else if (t.searched && cells.growth() < t.searched_growth + kGrowthThatMatters) {
+        refuse(what +
+               (t.surface ? ": no reachable pose gives a look" : ": no reachable pose sees it"));
+      } else {
+        (t.surface ? owed_m2 : frontier_m2) += area_m2;
+        done = false;  // not searched yet
+      }
+    }
+  }
+}
+
+Targets::Targets(const VoxelMap& map, const Box& box, const TargetConfig& config)
+    : impl_(std::make_unique<Impl>(map, box, config)) {}
+Targets::~Targets() = default;
+
+void Targets::looked(const Pose& sensor, double pitch_rad) {
+  impl_->looks.push_back({sensor, pitch_rad});
+}
+void Targets::scanned(const Pose& sensor) { impl_->scans.push_back(sensor); }
+
+void Targets::update(const std::function<bool(const Vec3&)>& reachable) {
+  Impl& t = *impl_;
+  t.cells.update();
+  t.take_scans();
+  t.take_looks();
+  t.cells.settle();
+  t.track(t.cells.frontier(), false, t.frontier);
+  t.track(t.cells.owed(), true, t.owed);
+  t.drop_blocked_views(t.frontier);
+  t.drop_blocked_views(t.owed);
+  t.search_viewpoints(reachable);
+  t.sum_up();
+}
+
+const std::vector<Viewpoint>& Targets::viewpoints() const { return impl_->viewpoints; }
+const std::vector<Refused>& Targets::refused() const { return impl_->refused; }
+bool Targets::done() const { return impl_->done; }
+double Targets::frontier_m2() const { return impl_->frontier_m2; }
+double Targets::owed_surface_m2() const { return impl_->owed_m2; }
+
+}  // namespace muster::map

@@ -1,0 +1,197 @@
+#include "common/map/visibility.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace muster::map {
+namespace {
+
+constexpr double kLeastFacing = 0.15;  // cosine of the most grazing view that counts
+constexpr std::size_t kAims = 24;      // cells of a cluster that stand for all of it
+constexpr int kBearings = 12;
+constexpr double kDistancesM[] = {1.2, 1.9, 2.8, 3.8};
+constexpr double kSlopes[] = {0, 0.3, -0.3};  // height over distance
+constexpr double kEnough = 0.6;  // a first viewpoint that sees this share needs no second
+constexpr double kOthersWeight =
+    0.25;  // what else is in view counts, but the cluster itself comes first
+constexpr std::size_t kFinalists = 3;
+constexpr double kAvoidM = 0.5;
+
+double facing(const Aim::Spot& s, const Vec3& eye) {
+  return s.normal.isZero() ? 1 : (eye - s.at).normalized().dot(s.normal);
+}
+
+}  // namespace
+
+Aim frontier_aim(const VoxelMap& map, const RegionCells& cells, VoxelKey k) {
+  Aim aim{k, {}};
+  for (const VoxelKey& d : kFaces) {
+    const VoxelKey u{k.x + d.x, k.y + d.y, k.z + d.z};
+    if (cells.unknown_in_box(u)) aim.spots.push_back({map.center(u), Vec3::Zero()});
+  }
+  return aim;
+}
+
+Aim surface_aim(const VoxelMap& map, VoxelKey k) {
+  Aim aim{k, {}};
+  for (const VoxelKey& d : kFaces) {
+    const VoxelKey n{k.x + d.x, k.y + d.y, k.z + d.z};
+    const Vec3 normal(d.x, d.y, d.z);
+    if (map.at(n) == Voxel::kFree)
+      aim.spots.push_back({map.center(k) + 0.55 * map.config().resolution_m * normal, normal});
+  }
+  return aim;
+}
+
+bool sighted(const VoxelMap& map, const Aim& aim, const Vec3& eye, double range_m) {
+  return std::ranges::any_of(aim.spots, [&](const Aim::Spot& s) {
+    return (s.at - eye).squaredNorm() <= range_m * range_m && facing(s, eye) > kLeastFacing &&
+           map.line_of_sight(eye, s.at, false);
+  });
+}
+
+ViewpointSearch::ViewpointSearch(const VoxelMap& map, RegionCells& cells,
+                                 const TargetConfig& config)
+    : map_(map), cells_(cells), config_(config) {}
+
+FieldOfView ViewpointSearch::reliable(bool surface) const {
+  FieldOfView fov = config_.camera;
+  fov.hfov_rad *= 0.94;
+  fov.vfov_rad *= 0.94;
+  fov.range_m = surface ? std::min(config_.look_range_m, config_.camera.range_m)
+                        : 0.93 * config_.camera.range_m;
+  return fov;
+}
+
+std::vector<Aim> ViewpointSearch::aims(const Cluster& cluster) const {
+  const std::size_t n = cluster.cells->size(), take = std::min(n, kAims);
+  std::vector<Aim> result;
+  for (std::size_t i = 0; i < take; ++i) {
+    const VoxelKey k = (*cluster.cells)[i * n / take];
+    result.push_back(cluster.surface ? surface_aim(map_, k) : frontier_aim(map_, cells_, k));
+  }
+  return result;
+}
+
+std::optional<ViewpointSearch::Candidate> ViewpointSearch::judge(const std::vector<Aim>& aims,
+                                                                 const Vec3& eye,
+                                                                 bool surface) const {
+  const FieldOfView fov = reliable(surface);
+  struct Seen {
+    double az;
+    std::uint32_t aim;
+  };
+  std::vector<Seen> seen;
+  for (std::uint32_t i = 0; i < aims.size(); ++i) {
+    const Vec3 d = map_.center(aims[i].cell) - eye;
+    const double flat = std::hypot(d.x(), d.y());
+    // Cheap first: what no heading brings into view needs no line of sight.
+    if (config_.pitch_rad == 0 && std::abs(std::atan2(d.z(), flat)) > fov.vfov_rad / 2) continue;
+    if (sighted(map_, aims[i], eye, fov.range_m)) seen.push_back({std::atan2(d.y(), d.x()), i});
+  }
+  if (seen.empty()) return std::nullopt;
+  // The heading whose field of view holds the most: it may start at any of them.
+  std::size_t best_n = 0;
+  double best_yaw = 0;
+  for (const Seen& start : seen) {
+    std::size_t n = 0;
+    double last = 0;
+    for (const Seen& s : seen) {
+      double off = wrap_angle(s.az - start.az);
+      if (off < -1e-12) off += 2 * std::numbers::pi;
+      if (off > fov.hfov_rad) continue;
+      ++n;
+      last = std::max(last, off);
+    }
+    if (n > best_n) {
+      best_n = n;
+      best_yaw = wrap_angle(start.az + last / 2);
+    }
+  }
+  Candidate c;
+  c.pose = {eye, best_yaw};
+  for (const Seen& s : seen) {
+    if (fov.contains(c.pose, config_.pitch_rad, map_.center(aims[s.aim].cell)))
+      c.sees.push_back(s.aim);
+  }
+  if (c.sees.empty()) return std::nullopt;
+  c.score = static_cast<double>(c.sees.size()) / static_cast<double>(aims.size());
+  return c;
+}
+
+double ViewpointSearch::area_in_view(const Pose& pose, bool surface) const {
+  const FieldOfView fov = reliable(surface);
+  const double cell_m2 = map_.config().resolution_m * map_.config().resolution_m;
+  // Every third cell stands for three.
+  constexpr int kStride = 3;
+  int n = 0, seen = 0;
+  cells_.near(surface ? cells_.owed() : cells_.frontier(), pose.p, fov.range_m, [&](VoxelKey k) {
+    if (n++ % kStride != 0 || !fov.contains(pose, config_.pitch_rad, map_.center(k))) return;
+    seen += sighted(map_, surface ? surface_aim(map_, k) : frontier_aim(map_, cells_, k), pose.p,
+                    fov.range_m);
+  });
+  return seen * kStride * cell_m2;
+}
+
+std::vector<Viewpoint> ViewpointSearch::find(
+    const Cluster& cluster, const std::function<bool(const Vec3&)>& reachable) const {
+  const std::vector<Aim> targets = aims(cluster);
+  Vec3 centroid = Vec3::Zero();
+  for (const Aim& a : targets)
+    centroid += map_.center(a.cell) / static_cast<double>(targets.size());
+  std::vector<Candidate> candidates;
+  std::vector<VoxelKey> tried;
+  for (std::size_t ring = 0; ring < std::size(kDistancesM); ++ring) {
+    for (int b = 0; b < kBearings; ++b) {
+      const double az =
+          (b + 0.5 * static_cast<double>(ring % 2)) * 2 * std::numbers::pi / kBearings;
+      for (const double slope : kSlopes) {
+        if (map_.config().ground && slope != 0) continue;
+        Vec3 p = centroid + kDistancesM[ring] * Vec3(std::cos(az), std::sin(az), slope);
+        if (map_.config().ground) p.z() = map_.config().ride_height_m;
+        const VoxelKey k = map_.body_key(p);
+        if (!map_.traversable(k) || std::find(tried.begin(), tried.end(), k) != tried.end())
+          continue;
+        tried.push_back(k);
+        p = map_.center(k);
+        const bool useless = std::ranges::any_of(
+            *cluster.avoid, [&](const Vec3& a) { return (a - p).norm() < kAvoidM; });
+        if (useless || !reachable(p)) continue;
+        if (auto c = judge(targets, p, cluster.surface)) candidates.push_back(std::move(*c));
+      }
+    }
+  }
+  if (candidates.empty()) return {};
+  const auto better = [](const Candidate& a, const Candidate& b) { return a.score > b.score; };
+  std::stable_sort(candidates.begin(), candidates.end(), better);
+  const double cluster_m2 = static_cast<double>(cluster.cells->size()) *
+                            map_.config().resolution_m * map_.config().resolution_m;
+  std::size_t best = 0;
+  double best_value = -1, best_gain = 0;
+  for (std::size_t i = 0; i < std::min(kFinalists, candidates.size()); ++i) {
+    const double own = candidates[i].score * cluster_m2;
+    const double gain = std::max(own, area_in_view(candidates[i].pose, cluster.surface));
+    const double value = own + kOthersWeight * (gain - own);
+    if (value > best_value) {
+      best = i;
+      best_value = value;
+      best_gain = gain;
+    }
+  }
+  const Candidate first = candidates[best];
+  std::vector<Viewpoint> result{{first.pose, best_gain, cluster.surface, 0}};
+  if (first.score >= kEnough) return result;
+  // A second one for what the first does not see.
+  const auto news = [&](const Candidate& c) {
+    return std::ranges::count_if(
+        c.sees, [&](std::uint32_t a) { return !std::ranges::binary_search(first.sees, a); });
+  };
+  const Candidate* second = nullptr;
+  for (const Candidate& c : candidates) {
+    if (news(c) >= 2 && (!second || news(c) > news(*second))) second = &c;
+  }
+  if (second) result.push_back({second->pose, second->score * cluster_m2, cluster.surface, 0});
+  return result;
+}
+
+}  // namespace muster::map

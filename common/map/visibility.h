@@ -1,0 +1,60 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "common/map/region_cells.h"
+#include "common/map/targets.h"
+
+namespace muster::map {
+
+/// A voxel and the spots that must be in view for it to count as seen: for a frontier the unknown
+/// voxels beside it, for a surface the spots just before its free faces.
+struct Aim {
+  VoxelKey cell;
+  struct Spot {
+    Vec3 at, normal;  ///< normal zero: from any side
+  };
+  std::vector<Spot> spots;
+};
+Aim frontier_aim(const VoxelMap& map, const RegionCells& cells, VoxelKey frontier);
+Aim surface_aim(const VoxelMap& map, VoxelKey surface);
+
+/// Can the aim be seen from `eye`, at any heading: range and line of sight through known free
+/// voxels?
+bool sighted(const VoxelMap& map, const Aim& aim, const Vec3& eye, double range_m);
+
+/// Poses that see a cluster, found by trying a fixed pattern of bearings, heights and distances
+/// around it.
+class ViewpointSearch {
+ public:
+  struct Cluster {
+    const std::vector<VoxelKey>* cells;
+    bool surface;
+    const std::vector<Vec3>* avoid;  ///< spots that were of no use
+  };
+  ViewpointSearch(const VoxelMap& map, RegionCells& cells, const TargetConfig& config);
+
+  /// The best one or two; empty when no reachable pose sees enough of it.
+  std::vector<Viewpoint> find(const Cluster& cluster,
+                              const std::function<bool(const Vec3&)>& reachable) const;
+  /// The field of view that is relied on: a little less than the camera's.
+  FieldOfView reliable(bool surface) const;
+
+ private:
+  struct Candidate {
+    Pose pose;
+    std::vector<std::uint32_t> sees;  ///< indices of aims
+    double score = 0;
+  };
+  std::vector<Aim> aims(const Cluster& cluster) const;
+  std::optional<Candidate> judge(const std::vector<Aim>& aims, const Vec3& eye, bool surface) const;
+  double area_in_view(const Pose& pose, bool surface) const;
+
+  const VoxelMap& map_;
+  RegionCells& cells_;
+  TargetConfig config_;
+};
+
+}  // namespace muster::map
