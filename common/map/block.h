@@ -65,14 +65,15 @@ struct Block {
       around{};  ///< [dx+1 + 3(dy+1) + 9(dz+1)]; null: not allocated; [13] is itself
   std::unique_ptr<OwnBlock> own;
   std::map<RobotId, std::unique_ptr<States>> others;
-  std::unique_ptr<Plane> inside;  ///< voxels within the bounds; null: all of them
+  std::unique_ptr<Plane> inside;  ///< voxels that are mapped; null: all of them
+  std::unique_ptr<Plane> fence;   ///< voxels within the bounds: where a body may be; null: all
   std::uint64_t changed_at = 0, own_changed_at = 0;
   std::uint64_t touched_scan = 0;  ///< last scan that changed own evidence
   std::uint32_t border_changed =
       0;  ///< bit i: around[i] is near a voxel that changed in this operation
   bool changed = false, own_changed = false, stale = false, in_tree_queue = false;
 
-  bool within_bounds(int i) const { return !inside || bit(*inside, i); }
+  bool mapped(int i) const { return !inside || bit(*inside, i); }
 };
 
 }  // namespace muster::map

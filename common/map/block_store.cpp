@@ -27,14 +27,21 @@ std::uint32_t near_blocks(int i, int radius) {
 
 }  // namespace
 
+BlockStore::BlockStore(const MapConfig& config)
+    : config_(config), mapped_(config.bounds), reach_(config) {
+  mapped_.size += Vec3::Constant(2 * config.resolution_m);
+}
+
 Block* BlockStore::obtain(BlockKey b) {
   if (Block* known = find(b)) return known;
-  const Plane inside = voxels_inside(b, config_.resolution_m, config_.bounds);
+  const Plane inside = voxels_inside(b, config_.resolution_m, mapped_);
   const int n = count(inside);
   if (n == 0) return nullptr;
   auto owned = std::make_unique<Block>(b);
   Block* block = owned.get();
   if (n < kBlockVoxels) block->inside = std::make_unique<Plane>(inside);
+  const Plane fence = voxels_inside(b, config_.resolution_m, config_.bounds);
+  if (count(fence) < kBlockVoxels) block->fence = std::make_unique<Plane>(fence);
   for (int i = 0; i < 27; ++i) {
     Block* near = i == 13 ? block : find({b.x + i % 3 - 1, b.y + i / 3 % 3 - 1, b.z + i / 9 - 1});
     block->around[static_cast<std::size_t>(i)] = near;
@@ -121,6 +128,10 @@ void BlockStore::commit() {
 void BlockStore::refresh_stale() const {
   for (Block* b : stale_) {
     reach_.refresh(*b);
+    for (std::size_t w = 0; b->fence && w < 64; ++w) {
+      b->traversable[w] &= (*b->fence)[w];
+      b->blocked[w] |= ~(*b->fence)[w];
+    }
     b->stale = false;
   }
   stale_.clear();

@@ -15,7 +15,7 @@ namespace muster::map {
 /// end; readers then see a new revision.
 class BlockStore {
  public:
-  explicit BlockStore(const MapConfig& config) : config_(config), reach_(config) {}
+  explicit BlockStore(const MapConfig& config);
 
   Block* find(BlockKey b) const {
     const auto it = blocks_.find(pack(b));
@@ -57,6 +57,8 @@ class BlockStore {
   }
 
   MapConfig config_;
+  Box mapped_;  ///< the bounds and one voxel around: the ground at the bottom of the hull must be
+                ///< seen
   Reach reach_;
   std::unordered_map<std::uint64_t, std::unique_ptr<Block>>
       blocks_;  // looked up, never walked where order matters

@@ -187,7 +187,7 @@ bool OwnMap::apply(Block& block, int i, std::uint8_t marks) {
 }
 
 bool OwnMap::set_evidence(Block& block, int i, int value) {
-  if (!block.within_bounds(i)) return false;
+  if (!block.mapped(i)) return false;
   if (!block.own) block.own = std::make_unique<OwnBlock>();
   OwnBlock& own = *block.own;
   own.evidence[static_cast<std::size_t>(i)] = static_cast<Evidence>(value);

@@ -116,7 +116,7 @@ bool VoxelMap::traversable(VoxelKey k) const {
 bool VoxelMap::blocked(VoxelKey k) const {
   impl_->blocks.refresh_reach();
   if (const Block* b = impl_->blocks.find(block_of(k))) {
-    return !b->within_bounds(local_index(k)) || bit(b->blocked, local_index(k));
+    return bit(b->blocked, local_index(k));
   }
   const Reach& reach = impl_->blocks.reach();
   if (!impl_->config.bounds.contains(center(k), 1e-9)) return true;

@@ -38,7 +38,7 @@ BlockKey unpack_block(std::uint64_t key);
 
 struct MapConfig {
   double resolution_m = 0.2;
-  Box bounds;  ///< nothing outside is mapped
+  Box bounds;  ///< nothing more than a voxel outside is mapped, and no body may be outside
   double body_radius_m = 0.25;
   double clearance_m = 0.1;  ///< kept between the body and anything occupied
   bool ground = false;       ///< traversability of a UGV instead of a UAV

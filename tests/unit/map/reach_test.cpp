@@ -65,7 +65,7 @@ void check_everywhere(const VoxelMap& m, Rule rule) {
     if (std::max(std::abs(k.x), std::abs(k.y)) > 26 || k.z > 17) return;
     const Wanted w = rule(m, k);
     const bool outside = !m.config().bounds.contains(m.center(k), 1e-9);
-    wrong += m.traversable(k) != w.traversable;
+    wrong += m.traversable(k) != (w.traversable && !outside);
     wrong += m.blocked(k) != (w.blocked || outside);
     free += w.traversable;
   });
