@@ -1,7 +1,7 @@
 #pragma once
 
-#include <deque>
-#include <map>
+#include <chrono>
+#include <vector>
 
 #include "common/map/targets.h"
 #include "tests/unit/map/toy_world.h"
@@ -11,40 +11,46 @@ namespace muster::map::toy {
 /// Traversable voxels connected to a start, with path lengths (6-neighbourhood).
 class Flood {
  public:
-  Flood(const VoxelMap& map, const Vec3& start) : map_(map) {
-    std::deque<VoxelKey> queue;
+  Flood(const VoxelMap& map, const Vec3& start) : map_(map), steps_(kSide * kSide * kSide, -1) {
+    std::vector<VoxelKey> queue;
     const VoxelKey s = map.key(start);
     for (int i = 0; i < 27 && queue.empty(); ++i) {
-      const VoxelKey k{s.x + (i + 13) % 27 % 3 - 1, s.y + (i + 13) % 27 / 3 % 3 - 1,
-                       s.z + (i + 13) % 27 / 9 - 1};
+      const int d = (i + 13) % 27;
+      const VoxelKey k{s.x + d % 3 - 1, s.y + d / 3 % 3 - 1, s.z + d / 9 - 1};
       if (map.traversable(k)) queue.push_back(k);
     }
-    for (const VoxelKey& k : queue) steps_[k] = 0;
-    while (!queue.empty()) {
-      const VoxelKey k = queue.front();
-      queue.pop_front();
-      const int n = steps_[k];
-      for (const VoxelKey& d :
-           {VoxelKey{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
+    for (const VoxelKey& k : queue) steps_[index(k)] = 0;
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+      const VoxelKey k = queue[head];
+      for (const VoxelKey& d : kSteps) {
         const VoxelKey next{k.x + d.x, k.y + d.y, k.z + d.z};
-        if (map.traversable(next) && steps_.emplace(next, n + 1).second) queue.push_back(next);
+        if (steps_[index(next)] >= 0 || !map.traversable(next)) continue;
+        steps_[index(next)] = steps_[index(k)] + 1;
+        queue.push_back(next);
       }
     }
   }
-  bool reached(const Vec3& p) const { return steps_.contains(map_.key(p)); }
+  bool reached(const Vec3& p) const { return steps_[index(map_.key(p))] >= 0; }
   double length_m(const Vec3& p) const {
-    const auto it = steps_.find(map_.key(p));
-    return it == steps_.end() ? 1e9 : 0.2 * it->second;
+    return reached(p) ? 0.2 * steps_[index(map_.key(p))] : 1e9;
   }
 
  private:
+  static constexpr int kSide = 110;  // ± 11 m
+  static constexpr VoxelKey kSteps[6] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                         {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
+  static std::size_t index(VoxelKey k) {
+    return static_cast<std::size_t>(k.x + 55 + kSide * (k.y + 55 + kSide * (k.z + 55)));
+  }
   const VoxelMap& map_;
-  std::map<VoxelKey, int> steps_;
+  std::vector<int> steps_;
 };
 
 struct Explored {
   int views = 0;
   double length_m = 0;
+  double update_ms = 0, worst_update_ms = 0;  ///< of the wall clock, for people
+  int updates = 0;
   bool done = false;
   std::vector<Viewpoint> path;
 };
@@ -69,7 +75,14 @@ inline Explored explore(const World& world, VoxelMap& map, Targets& targets, Pos
   while (result.views < most_views) {
     const Flood flood(map, at.p);
     for (int i = 0; i < 20; ++i) {
+      const auto begin = std::chrono::steady_clock::now();
       targets.update([&](const Vec3& p) { return flood.reached(p); });
+      const double ms =
+          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
+              .count();
+      result.update_ms += ms;
+      result.worst_update_ms = std::max(result.worst_update_ms, ms);
+      ++result.updates;
       if (targets.done() || !targets.viewpoints().empty()) break;
     }
     if (targets.done()) break;

@@ -108,7 +108,8 @@ TEST_CASE("a greedy explorer gets a box with a house done") {
             << e.length_m << " m, surface " << known << ", volume "
             << m.known_m3(watched) / m.volume_m3(watched) << ", refused "
             << targets.refused().size() << ", left " << targets.frontier_m2() << " m² + "
-            << targets.owed_surface_m2() << " m²\n";
+            << targets.owed_surface_m2() << " m², update " << e.update_ms / e.updates
+            << " ms mean of " << e.updates << ", worst " << e.worst_update_ms << "\n";
   CHECK(e.done);
   CHECK(known >= 0.95);
 }
