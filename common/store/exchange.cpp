@@ -23,6 +23,10 @@ Duration backoff(std::uint32_t attempts, Duration first) {
 
 }  // namespace
 
+Exchange::RecordId Exchange::id_of(const RecordHeader& h) {
+  return {{h.author.robot, h.cls, h.author.epoch}, h.seq};
+}
+
 Exchange::Exchange(RecordStore& store, Random random, const ExchangeConfig& config)
     : store_(store), random_(random), config_(config) {}
 
@@ -56,7 +60,7 @@ void Exchange::on_beacon(RobotId from, std::uint64_t epoch, std::uint64_t digest
 
 Merged Exchange::on_record(RobotId from, std::uint64_t n, Record record, SimTime now) {
   const RecordHeader& h = record.header;
-  const RecordId id{{h.author.robot, h.cls, h.author.epoch}, h.seq};
+  const RecordId id = id_of(h);
   const Merged merged = store_.merge(std::move(record));
   if (merged == Merged::kRefused) return merged;
   auto& by_n = heard_[from].by_n;
@@ -144,29 +148,27 @@ bool Exchange::may_speak_for(const Peer& peer, RobotId author, SimTime now) cons
   return now >= *peer.forward_at + more;
 }
 
-void Exchange::weigh(const Peer& peer, const Record& record, SimTime now, bool may_forward,
-                     Debt& debt, SeqSet& on_the_way) const {
-  const RecordHeader& h = record.header;
-  const auto it = traffic_.find({{h.author.robot, h.cls, h.author.epoch}, h.seq});
+bool Exchange::weigh(const Peer& peer, const Record& record, SimTime now, bool may_forward,
+                     Debt& debt) const {
+  const auto it = traffic_.find(id_of(record.header));
   if (it != traffic_.end()) {
     const Traffic& t = it->second;
     if (t.sent_n != 0) {
       const bool answered = peer.digest_at >= t.sent_at + config_.round_trip;
       if (!answered && now < t.sent_at + config_.retry) {
         debt.first_n = debt.first_n == 0 ? t.sent_n : std::min(debt.first_n, t.sent_n);
-        on_the_way.insert(h.seq);
-        return;
+        return true;
       }
       if (answered && now < t.sent_at + backoff(t.attempts, config_.round_trip)) {
         debt.waiting = true;
-        return;
+        return false;
       }
     }
     const bool hushed = t.heard && peer.digest_at < t.heard_at + config_.round_trip &&
                         now < t.heard_at + config_.silence;
     if (hushed) {
       debt.waiting = true;
-      return;
+      return false;
     }
   }
   if (may_forward) {
@@ -174,39 +176,60 @@ void Exchange::weigh(const Peer& peer, const Record& record, SimTime now, bool m
   } else {
     debt.waiting = debt.held_back = true;
   }
+  return may_forward;
 }
 
-std::vector<Exchange::Debt> Exchange::debts(Peer& peer, SimTime now, bool* settled) {
+bool Exchange::weigh_stream(const Peer& peer, const StreamId& id, const Stream& stream, SimTime now,
+                            bool may_forward, Debt& debt) const {
+  const PeerDigest::Held* held = peer.digest.find(id);
+  const std::uint64_t complete = held == nullptr ? 0 : held->complete;
+  if (stream.adds_nothing_to(complete)) return false;
+  bool owed = false;
+  std::vector<SeqRange> arriving;
+  for (auto r = stream.held.upper_bound(complete); r != stream.held.end(); ++r) {
+    if (held != nullptr && held->covers(r->first)) continue;
+    if (weigh(peer, *r->second, now, may_forward, debt)) arriving.push_back({r->first, r->first});
+    owed = true;
+  }
+  if (stream.complete <= complete) return owed;
+  // What is waiting puts off the end anyway, so only then it matters whether there is a gap.
+  if (!debt.waiting && !debt.gap) {
+    SeqSet then(arriving);
+    if (held != nullptr) {
+      for (const SeqRange& range : held->beyond) then.insert(range);
+    }
+    debt.gap = then.advance(complete) < stream.complete;
+  }
+  return true;
+}
+
+std::vector<Exchange::Debt> Exchange::debts(Peer& peer, SimTime now) {
   std::vector<Debt> out;
   bool others_owed = false;
   const auto& streams = store_.streams();
+  const auto& known = peer.digest.held();
+  auto k = known.begin();
   for (auto it = streams.begin(); it != streams.end();) {
+    const auto first = it;
+    const Group group{first->first.robot, first->first.cls};
+    bool quiet = true;  // nearly always: found out by walking both lists once
+    for (; it != streams.end() && Group{it->first.robot, it->first.cls} == group; ++it) {
+      while (k != known.end() && k->id < it->first) ++k;
+      const bool found = k != known.end() && k->id == it->first;
+      quiet &= it->second.adds_nothing_to(found ? k->complete : 0);
+    }
+    if (quiet) continue;
     Debt debt;
-    debt.group = {it->first.robot, it->first.cls};
-    const bool may_forward = may_speak_for(peer, debt.group.first, now);
+    debt.group = group;
+    const bool may_forward = may_speak_for(peer, group.first, now);
     bool owed = false;
-    for (; it != streams.end() && Group{it->first.robot, it->first.cls} == debt.group; ++it) {
-      const auto& [id, stream] = *it;
-      if (peer.digest.voids(id)) continue;
-      debt.streams.push_back(id);
-      const PeerDigest::Held* held = peer.digest.find(id);
-      const std::uint64_t complete = held == nullptr ? 0 : held->complete;
-      SeqSet on_the_way;
-      for (auto r = stream.held.upper_bound(complete); r != stream.held.end(); ++r) {
-        if (held != nullptr && held->beyond.contains(r->first)) continue;
-        weigh(peer, *r->second, now, may_forward, debt, on_the_way);
-        owed = true;
-      }
-      if (stream.complete <= complete) continue;
-      owed = true;
-      if (held != nullptr) {
-        for (const SeqRange& range : held->beyond.ranges()) on_the_way.insert(range);
-      }
-      if (on_the_way.advance(complete) < stream.complete) debt.gap = true;
+    for (auto s = first; s != it; ++s) {
+      if (peer.digest.voids(s->first)) continue;
+      owed |= weigh_stream(peer, s->first, s->second, now, may_forward, debt);
     }
     if (!owed) continue;
     const bool actionable = !debt.due.empty() || debt.held_back || (debt.gap && !debt.waiting);
-    if (debt.group.first != store_.self() && actionable) others_owed = true;
+    if (group.first != store_.self() && actionable) others_owed = true;
     out.push_back(std::move(debt));
   }
   if (!others_owed) {
@@ -214,7 +237,6 @@ std::vector<Exchange::Debt> Exchange::debts(Peer& peer, SimTime now, bool* settl
   } else if (!peer.forward_at) {
     peer.forward_at = now + holdoff();
   }
-  *settled = out.empty();
   return out;
 }
 
@@ -223,32 +245,29 @@ std::vector<Exchange::Action> Exchange::step(SimTime now, std::size_t byte_budge
   forget_silent(now);
   prune(now);
   std::vector<Action> out;
-  std::map<std::pair<RecordClass, RecordId>, const Record*> due;
-  std::vector<RobotId> owing;
+  Due due;
+  std::vector<std::pair<RobotId, std::vector<Debt>>> owing;
   for (auto& [id, peer] : peers_) {
     if (peer.digest_n == 0 || peer.settled_version == store_.version()) continue;
-    bool settled = false;
-    for (const Debt& debt : debts(peer, now, &settled)) {
+    std::vector<Debt> owed = debts(peer, now);
+    if (owed.empty()) {
+      peer.settled_version = store_.version();
+      continue;
+    }
+    for (const Debt& debt : owed) {
       for (const Record* record : debt.due) {
-        const RecordHeader& h = record->header;
-        due.emplace(std::pair(h.cls, RecordId{{h.author.robot, h.cls, h.author.epoch}, h.seq}),
-                    record);
+        due.emplace(std::pair(record->header.cls, id_of(record->header)), record);
       }
     }
-    if (settled) {
-      peer.settled_version = store_.version();
-    } else {
-      owing.push_back(id);
-    }
+    owing.emplace_back(id, std::move(owed));
   }
   send_records(due, now, byte_budget, next_n, out);
-  for (RobotId id : owing) send_end(id, peers_.at(id), now, next_n, out);
+  for (auto& [id, owed] : owing) send_end(id, owed, now, next_n, out);
   return out;
 }
 
-void Exchange::send_records(const std::map<std::pair<RecordClass, RecordId>, const Record*>& due,
-                            SimTime now, std::size_t byte_budget, const NextN& next_n,
-                            std::vector<Action>& out) {
+void Exchange::send_records(const Due& due, SimTime now, std::size_t byte_budget,
+                            const NextN& next_n, std::vector<Action>& out) {
   std::size_t bytes = 0;
   for (const auto& [order, record] : due) {
     bytes += record->bytes.size() + kEnvelopeBytes;
@@ -266,25 +285,40 @@ void Exchange::send_records(const std::map<std::pair<RecordClass, RecordId>, con
   }
 }
 
-void Exchange::send_end(RobotId id, Peer& peer, SimTime now, const NextN& next_n,
+bool Exchange::is_on_its_way(Debt& debt, SimTime now) const {
+  for (const Record* record : debt.due) {
+    const auto it = traffic_.find(id_of(record->header));
+    if (it == traffic_.end() || it->second.sent_n == 0 || it->second.sent_at != now) return false;
+    debt.first_n =
+        debt.first_n == 0 ? it->second.sent_n : std::min(debt.first_n, it->second.sent_n);
+  }
+  return !debt.waiting;
+}
+
+void Exchange::send_end(RobotId id, std::vector<Debt>& owed, SimTime now, const NextN& next_n,
                         std::vector<Action>& out) {
+  Peer& peer = peers_.at(id);
   ExchangeEnd end{id, peer.epoch, peer.digest_n, 0, {}};
   bool own_named = false;
-  bool settled = false;
-  for (const Debt& debt : debts(peer, now, &settled)) {
-    if (!debt.gap || debt.waiting || !debt.due.empty()) continue;
+  for (Debt& debt : owed) {
+    if (!debt.gap || !is_on_its_way(debt, now)) continue;
     if (!may_speak_for(peer, debt.group.first, now)) continue;
     const auto before = peer.promised.find(debt.group);
-    const bool on_its_way = before != peer.promised.end() &&
-                            peer.digest_at < before->second + config_.round_trip &&
-                            now < before->second + config_.retry;
-    if (on_its_way) continue;
+    const bool promised = before != peer.promised.end() &&
+                          peer.digest_at < before->second + config_.round_trip &&
+                          now < before->second + config_.retry;
+    if (promised) continue;
     peer.promised[debt.group] = now;
     if (debt.first_n != 0 && (end.first_n == 0 || debt.first_n < end.first_n)) {
       end.first_n = debt.first_n;
     }
-    for (const StreamId& stream : debt.streams) {
-      end.entries.push_back({stream.author(), stream.cls, store_.streams().at(stream).complete, 0});
+    const auto& [robot, cls] = debt.group;
+    const auto& streams = store_.streams();
+    for (auto s = streams.lower_bound({robot, cls, 0}); s != streams.end(); ++s) {
+      const StreamId& stream = s->first;
+      if (Group{stream.robot, stream.cls} != debt.group) break;
+      if (peer.digest.voids(stream)) continue;
+      end.entries.push_back({stream.author(), stream.cls, s->second.complete, 0});
       own_named |= stream.author() == Author{store_.self(), store_.epoch()};
     }
   }
@@ -312,8 +346,9 @@ bool Exchange::something_expected(SimTime now) const {
     const Peer& peer = entry.second;
     if (now - peer.heard_at > config_.contact) return false;
     return peer.digest_n == 0 ||
-           !std::ranges::all_of(peer.digest.entries(),
-                                [&](const DigestEntry& e) { return store_.covers(e); });
+           !std::ranges::all_of(peer.digest.held(), [&](const PeerDigest::Held& h) {
+             return store_.covers(h.id, h.complete, h.beyond);
+           });
   });
 }
 
@@ -358,12 +393,12 @@ bool Exchange::caught_up(RobotId neighbour, SimTime now, RecordClass last) const
       const PeerDigest::Held* held = peer.digest.find(id);
       auto missing = stream.held.upper_bound(held == nullptr ? 0 : held->complete);
       for (; missing != stream.held.end(); ++missing) {
-        if (held == nullptr || !held->beyond.contains(missing->first)) return false;
+        if (held == nullptr || !held->covers(missing->first)) return false;
       }
     }
   }
-  return std::ranges::all_of(peer.digest.entries(), [&](const DigestEntry& e) {
-    return e.cls > last || store_.covers(e);
+  return std::ranges::all_of(peer.digest.held(), [&](const PeerDigest::Held& h) {
+    return h.id.cls > last || store_.covers(h.id, h.complete, h.beyond);
   });
 }
 

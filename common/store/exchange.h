@@ -139,21 +139,28 @@ class Exchange {
     bool held_back = false;          //   as somebody else may be about to send it
     bool gap = false;  // even with all of it the neighbour could not know that it is complete
     std::uint64_t first_n = 0;  // of what is on its way; 0: nothing
-    std::vector<StreamId> streams;
   };
 
+  /// In the order of sending: value first.
+  using Due = std::map<std::pair<RecordClass, RecordId>, const Record*>;
+
+  static RecordId id_of(const RecordHeader& header);
   void set_epoch(Heard& heard, std::uint64_t epoch);
   void forget_silent(SimTime now);
   void prune(SimTime now);
-  std::vector<Debt> debts(Peer& peer, SimTime now, bool* settled);
-  void weigh(const Peer& peer, const Record& record, SimTime now, bool may_forward, Debt& debt,
-             SeqSet& on_the_way) const;
-  bool may_speak_for(const Peer& peer, RobotId author, SimTime now) const;
   Duration holdoff();
-  void send_records(const std::map<std::pair<RecordClass, RecordId>, const Record*>& due,
-                    SimTime now, std::size_t byte_budget, const NextN& next_n,
+  bool may_speak_for(const Peer& peer, RobotId author, SimTime now) const;
+  std::vector<Debt> debts(Peer& peer, SimTime now);
+  bool weigh_stream(const Peer& peer, const StreamId& id, const Stream& stream, SimTime now,
+                    bool may_forward, Debt& debt) const;
+  /// Of a record that the neighbour lacks: is it on its way, or due now?
+  bool weigh(const Peer& peer, const Record& record, SimTime now, bool may_forward,
+             Debt& debt) const;
+  void send_records(const Due& due, SimTime now, std::size_t byte_budget, const NextN& next_n,
                     std::vector<Action>& out);
-  void send_end(RobotId id, Peer& peer, SimTime now, const NextN& next_n, std::vector<Action>& out);
+  bool is_on_its_way(Debt& debt, SimTime now) const;
+  void send_end(RobotId id, std::vector<Debt>& owed, SimTime now, const NextN& next_n,
+                std::vector<Action>& out);
   bool something_expected(SimTime now) const;
 
   RecordStore& store_;

@@ -3,18 +3,40 @@
 #include <algorithm>
 
 namespace muster::store {
+namespace {
 
-PeerDigest::PeerDigest(std::span<const DigestEntry> entries)
-    : entries_(entries.begin(), entries.end()) {
+/// Our own digests are in order; what comes over the radio need not be.
+bool in_order(const std::vector<SeqRange>& ranges) {
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    if (ranges[i].first > ranges[i].last) return false;
+    if (i > 0 && ranges[i].first <= ranges[i - 1].last) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+PeerDigest::PeerDigest(std::span<const DigestEntry> entries) {
   held_.reserve(entries.size());
-  for (const DigestEntry& entry : entries) {
-    held_.push_back({{entry.author.robot, entry.cls, entry.author.epoch},
-                     entry.complete,
-                     SeqSet(entry.beyond)});
-    std::uint64_t& newest = newest_epoch_[entry.author.robot];
-    newest = std::max(newest, entry.author.epoch);
+  for (const DigestEntry& e : entries) {
+    held_.push_back({{e.author.robot, e.cls, e.author.epoch},
+                     e.complete,
+                     in_order(e.beyond) ? e.beyond : SeqSet(e.beyond).ranges()});
   }
   std::ranges::sort(held_, {}, &Held::id);
+  for (const Held& h : held_) {
+    if (newest_epoch_.empty() || newest_epoch_.back().first != h.id.robot) {
+      newest_epoch_.emplace_back(h.id.robot, h.id.epoch);
+    } else {
+      newest_epoch_.back().second = std::max(newest_epoch_.back().second, h.id.epoch);
+    }
+  }
+}
+
+bool PeerDigest::Held::covers(std::uint64_t seq) const {
+  if (seq <= complete) return true;
+  const auto it = std::ranges::lower_bound(beyond, seq, {}, &SeqRange::last);
+  return it != beyond.end() && it->first <= seq;
 }
 
 const PeerDigest::Held* PeerDigest::find(const StreamId& id) const {
@@ -29,8 +51,9 @@ bool PeerDigest::covers(const StreamId& id, std::uint64_t seq) const {
 
 bool PeerDigest::voids(const StreamId& id) const {
   if (!voided_by_restart(id.cls)) return false;
-  const auto newest = newest_epoch_.find(id.robot);
-  return newest != newest_epoch_.end() && newest->second > id.epoch;
+  const auto newest = std::ranges::lower_bound(
+      newest_epoch_, id.robot, {}, [](const auto& robot_epoch) { return robot_epoch.first; });
+  return newest != newest_epoch_.end() && newest->first == id.robot && newest->second > id.epoch;
 }
 
 }  // namespace muster::store

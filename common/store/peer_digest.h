@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/store/digest.h"
@@ -19,9 +19,9 @@ class PeerDigest {
   struct Held {
     StreamId id;
     std::uint64_t complete = 0;
-    SeqSet beyond;
+    std::vector<SeqRange> beyond;  ///< ascending, disjoint
 
-    bool covers(std::uint64_t seq) const { return seq <= complete || beyond.contains(seq); }
+    bool covers(std::uint64_t seq) const;
   };
 
   /// nullptr: it holds nothing of this stream.
@@ -29,12 +29,12 @@ class PeerDigest {
   bool covers(const StreamId& id, std::uint64_t seq) const;
   /// It knows a newer start of the author, which voids this stream.
   bool voids(const StreamId& id) const;
-  const std::vector<DigestEntry>& entries() const { return entries_; }
+  /// Ascending by id.
+  const std::vector<Held>& held() const { return held_; }
 
  private:
-  std::vector<DigestEntry> entries_;
-  std::vector<Held> held_;  // ascending by id
-  std::map<RobotId, std::uint64_t> newest_epoch_;
+  std::vector<Held> held_;
+  std::vector<std::pair<RobotId, std::uint64_t>> newest_epoch_;  // ascending
 };
 
 }  // namespace muster::store

@@ -197,14 +197,15 @@ void RecordStore::raise(Author author, RecordClass cls, std::uint64_t complete) 
   ++version_;
 }
 
-bool RecordStore::covers(const DigestEntry& entry) const {
-  if (entry.complete == 0 && entry.beyond.empty()) return true;
-  if (is_voided(entry.author, entry.cls)) return true;
-  const auto it = streams_.find({entry.author.robot, entry.cls, entry.author.epoch});
+bool RecordStore::covers(const StreamId& id, std::uint64_t complete,
+                         std::span<const SeqRange> beyond) const {
+  if (complete == 0 && beyond.empty()) return true;
+  if (is_voided(id.author(), id.cls)) return true;
+  const auto it = streams_.find(id);
   if (it == streams_.end()) return false;
   const Stream& stream = it->second;
-  if (entry.complete > stream.complete) return false;
-  return std::ranges::all_of(entry.beyond, [&](const SeqRange& range) {
+  if (complete > stream.complete) return false;
+  return std::ranges::all_of(beyond, [&](const SeqRange& range) {
     return range.last <= stream.complete ||
            stream.seen.contains(SeqRange{std::max(range.first, stream.complete + 1), range.last});
   });

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -39,6 +40,10 @@ struct Stream {
       held;  ///< by seq: the records that are the newest of their key
 
   bool covers(std::uint64_t seq) const { return seq <= complete || seen.contains(seq); }
+  /// Who is complete up to `n` lacks nothing of this stream.
+  bool adds_nothing_to(std::uint64_t n) const {
+    return complete <= n && (held.empty() || held.rbegin()->first <= n);
+  }
 };
 
 /// Everything a robot knows: of every (robot, class, key) the newest version, in whatever order it
@@ -89,8 +94,8 @@ class RecordStore {
   /// Takes over a promise that holds for us too (see ExchangeEnd). Ignored for own and for voided
   /// streams.
   void raise(Author author, RecordClass cls, std::uint64_t complete);
-  /// Is everything that `entry` tells of seen or promised here as well, or voided?
-  bool covers(const DigestEntry& entry) const;
+  /// Is what somebody tells of a stream seen or promised here as well, or voided?
+  bool covers(const StreamId& id, std::uint64_t complete, std::span<const SeqRange> beyond) const;
 
   const std::map<StreamId, Stream>& streams() const { return streams_; }
   /// Grows whenever the digest changes.

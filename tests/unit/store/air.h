@@ -31,22 +31,28 @@ class Air {
 
   Weather weather;
 
-  /// An empty store, as after a crash without a journal.
   void start(RobotId id, std::uint64_t epoch) {
     robots_[id] = std::make_unique<Robot>(id, epoch, seed_);
-    epochs_[id] = epoch;
+    used_epochs_[id].insert(epoch);
   }
   /// Started again with all it had.
   void restart_with_journal(RobotId id) {
     const RecordStore& old = store(id);
-    auto fresh = std::make_unique<Robot>(id, ++epochs_[id], seed_);
+    auto fresh = std::make_unique<Robot>(id, next_epoch(id), seed_);
     for (std::uint32_t c = 1; c <= kRecordClasses; ++c) {
       for (const Record* record : old.all(RecordClass{c})) fresh->store.merge(*record);
     }
     for (const DigestEntry& e : old.digest()) fresh->store.raise(e.author, e.cls, e.complete);
+    used_epochs_[id].insert(fresh->store.epoch());
     robots_[id] = std::move(fresh);
   }
-  void restart_empty(RobotId id) { start(id, std::max(epochs_[id], store(id).epoch()) + 1); }
+  /// As after a crash without a journal.
+  void restart_empty(RobotId id) { start(id, next_epoch(id)); }
+  /// The same, with a clock that is behind: an epoch below the last one, but never used.
+  void restart_behind(RobotId id) {
+    const std::uint64_t epoch = next_epoch(id) - 15;
+    if (!used_epochs_[id].contains(epoch)) start(id, epoch);
+  }
   void kill(RobotId id) { robots_.erase(id); }
   bool alive(RobotId id) const { return robots_.contains(id); }
   std::vector<RobotId> living() const {
@@ -168,6 +174,12 @@ class Air {
     std::shared_ptr<const Sent> what;
   };
 
+  /// Well above the last, so that there is room for a clock that is behind.
+  std::uint64_t next_epoch(RobotId id) {
+    used_epochs_[id].insert(store(id).epoch());
+    return (*used_epochs_[id].rbegin() / 10 + 2) * 10;
+  }
+
   void hear(const Delivery& d) {
     Exchange& e = exchange(d.to);
     const Sent& m = *d.what;
@@ -214,7 +226,7 @@ class Air {
   std::uint64_t seed_;
   SimTime now_;
   std::map<RobotId, std::unique_ptr<Robot>> robots_;
-  std::map<RobotId, std::uint64_t> epochs_;
+  std::map<RobotId, std::set<std::uint64_t>> used_epochs_;
   std::set<std::pair<RobotId, RobotId>> links_;
   std::vector<Delivery> in_flight_;
   std::vector<RecordHeader> written_;

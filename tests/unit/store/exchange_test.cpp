@@ -52,7 +52,8 @@ Verdict storm(std::uint64_t seed, bool single_number) {
         if (other != i) air.link(id(i), id(other), random.chance(0.5));
       }
       if (random.chance(0.004)) air.restart_with_journal(id(i));
-      if (random.chance(0.004)) air.restart_empty(id(i));
+      if (random.chance(0.003)) air.restart_empty(id(i));
+      if (random.chance(0.002)) air.restart_behind(id(i));
       if (random.chance(0.003) && air.living().size() > 1) air.kill(id(i));
     }
     air.tick();
