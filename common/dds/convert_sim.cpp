@@ -38,6 +38,7 @@ void fields(const Io& io, sim::Done& w, P& p) {
   io(w.sent_bus(), p.sent_bus);
   io(w.trace(), p.trace);
   io(w.declares_complete(), p.declares_complete);
+  io(w.activity(), p.activity);
   io(w.cpu_ms(), p.cpu_ms);
   io(w.deliveries(), p.deliveries);
   io(w.planning(), p.planning);

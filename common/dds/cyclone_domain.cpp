@@ -93,8 +93,7 @@ dds_entity_t create(const ParticipantConfig& config, const std::optional<PortCla
                           discovery(config, ports) + internal() + "</Domain></CycloneDDS>";
   const dds_entity_t entity = dds_create_domain(config.domain, xml.c_str());
   if (entity < 0) {
-    throw Failure("DDS domain " + std::to_string(config.domain) +
-                  ": Cyclone DDS cannot open it: " +
+    throw Failure("DDS domain " + std::to_string(config.domain) + ": Cyclone DDS cannot open it: " +
                   (last_error.empty() ? dds_strretcode(entity) : last_error));
   }
   return entity;

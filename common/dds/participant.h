@@ -60,6 +60,10 @@ using OnMessage = std::function<void(mission::Message&&)>;
 /// Called on a middleware thread when an endpoint's match count changes.
 using OnMatch = std::function<void()>;
 
+/// Matching is not mutual: a writer may count a reader that does not know the writer yet, and what is written in that moment is lost
+/// to it. So before data that must arrive, both sides look at their own counts and tell each other: in the simulator every process
+/// repeats Done{k = 0} until the first tick, from when all of its own endpoints are matched.
+///
 /// Writers and readers are destroyed before their participant. Destroying a reader waits for its running callback; afterwards there is
 /// none. As over radio, a participant does not hear itself.
 class Participant {

@@ -9,6 +9,8 @@
 #include <deque>
 #include <exception>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 
 #include "common/dds/convert.h"
@@ -31,9 +33,10 @@ class Queue {
     }
     changed_.notify_one();
   }
-  mission::Message pop() {
+  /// nullopt: nothing came for so long.
+  std::optional<mission::Message> pop(Clock::duration patience = std::chrono::seconds(30)) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return !messages_.empty(); });
+    if (!changed_.wait_for(lock, patience, [&] { return !messages_.empty(); })) return std::nullopt;
     mission::Message message = std::move(messages_.front());
     messages_.pop_front();
     return message;
@@ -71,13 +74,19 @@ int run_hub(dds::Participant& participant, int agents, std::uint64_t ticks) {
   std::printf("matched %d in %.2f s\n", agents, seconds_since(start));
   std::fflush(stdout);
 
-  // One tick more in advance: the last of the matched knows us only after it answers.
+  std::set<std::uint32_t> ready;
+  while (static_cast<int>(ready.size()) < agents) {
+    ready.insert(dds::decode<mission::Done>(queue.pop().value()).process.value);
+  }
+  std::printf("all ready in %.2f s\n", seconds_since(start));
+  std::fflush(stdout);
+
   mission::Tick tick;
   const auto step = [&] {
     ++tick.k;
     writer->write(dds::encode(tick).cdr);
     for (int waiting = agents; waiting > 0;) {
-      if (dds::decode<mission::Done>(queue.pop()).k == tick.k) --waiting;
+      if (dds::decode<mission::Done>(queue.pop().value()).k == tick.k) --waiting;
     }
   };
   step();
@@ -100,15 +109,18 @@ int run_agent(dds::Participant& participant, std::uint32_t number) {
       [&](mission::Message&& m) { queue.push(std::move(m)); }, poke);
   mission::Done done;
   done.process = RobotId{number};
-  for (;;) {
-    const auto tick = dds::decode<mission::Tick>(queue.pop());
-    if (done.k == 0) queue.wait_for([&] { return writer->matched() > 0; });
+  queue.wait_for([&] { return reader->matched() > 0 && writer->matched() > 0; });
+  std::optional<mission::Message> heard;
+  do {  // ready, until the hub has heard it
+    writer->write(dds::encode(done).cdr);
+    heard = queue.pop(std::chrono::milliseconds(100));
+  } while (!heard);
+  for (;; heard = queue.pop()) {
+    const auto tick = dds::decode<mission::Tick>(heard.value());
     done.k = tick.k;
     writer->write(dds::encode(done).cdr);
-    if (tick.phase == mission::TickPhase::kEnd) break;
+    if (tick.phase == mission::TickPhase::kEnd) return 0;
   }
-  queue.wait_for([&] { return reader->matched() > 0; });
-  return 0;
 }
 
 }  // namespace

@@ -210,6 +210,7 @@ inline Done Samples::make() {
           u32(),
           u64(),
           flag(),
+          choice<Activity>(10),
           real(),
           list([&] { return expect(); }),
           list(planning)};
