@@ -82,10 +82,9 @@ class Judge {
     for (const auto& r : m.fleet) {
       if (r.vehicle.ground || r.vehicle.camera.range_m <= 0) continue;
       if (r.role == mission::Role::kInspector) {
-        add(inspect_,
-            ViewRule::of_camera(r.vehicle, m.inspect.range_m, m.inspect.max_incidence_rad));
+        add(inspect_, ViewRule(r.vehicle, m.inspect.range_m, m.inspect.max_incidence_rad));
       } else if (r.role == mission::Role::kExplorer) {
-        add(sight_, ViewRule::of_camera(r.vehicle, m.sensing.sighting_range_m, kAnyIncidence_rad));
+        add(sight_, ViewRule(r.vehicle, m.sensing.sighting_range_m, kAnyIncidence_rad));
       }
     }
   }
@@ -109,10 +108,7 @@ class Judge {
 
  private:
   static void add(std::vector<ViewRule>& rules, const ViewRule& rule) {
-    const bool known = std::any_of(rules.begin(), rules.end(), [&](const ViewRule& r) {
-      return r.min_elevation_rad == rule.min_elevation_rad && r.range_m == rule.range_m &&
-             r.max_elevation_rad == rule.max_elevation_rad;
-    });
+    const bool known = std::find(rules.begin(), rules.end(), rule) != rules.end();
     if (!known) rules.push_back(rule);
   }
   bool any(const Vec3& p, const Vec3& normal, const std::vector<ViewRule>& rules) const {

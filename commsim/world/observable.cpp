@@ -9,9 +9,9 @@
 namespace muster::world {
 namespace {
 
-constexpr double kSpacing_m = 0.1;
+constexpr double kSpacing_m = 0.14;
 constexpr double kMaxIncidence_rad = 80 * std::numbers::pi / 180;
-constexpr std::size_t kTriesPerVoxel = 4;
+constexpr std::size_t kTriesPerVoxel = 3;
 
 struct Sample {
   Voxel voxel;
@@ -70,11 +70,8 @@ std::vector<Voxel> observable_surface(const Scene& scene, const mission::Mission
   std::vector<ViewRule> rules;
   for (const RobotId id : mission.with_role(mission::Role::kExplorer)) {
     const auto& vehicle = mission.robot(id).vehicle;
-    const ViewRule rule = ViewRule::of_camera(vehicle, vehicle.camera.range_m, kMaxIncidence_rad);
-    const bool known = std::any_of(rules.begin(), rules.end(), [&](const ViewRule& r) {
-      return r.min_elevation_rad == rule.min_elevation_rad &&
-             r.max_elevation_rad == rule.max_elevation_rad && r.range_m == rule.range_m;
-    });
+    const ViewRule rule(vehicle, vehicle.camera.range_m, kMaxIncidence_rad);
+    const bool known = std::find(rules.begin(), rules.end(), rule) != rules.end();
     if (!known && vehicle.camera.range_m > 0) rules.push_back(rule);
   }
   const Mesh& mesh = scene.mesh();

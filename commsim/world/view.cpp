@@ -8,18 +8,25 @@ namespace {
 
 constexpr double kRangeMargin_m = 0.2;
 constexpr double kAngleMargin_rad = 0.035;  // 2°
-constexpr double kDistanceShares[] = {0.45, 0.7, 0.3, 0.95, 0.17};
+constexpr double kDistanceShares[] = {0.17, 0.3, 0.45, 0.7, 0.95};
 constexpr double kElevationShares[] = {0.5, 0.1, 0.9, 0.3, 0.7, 0.0, 1.0};
 constexpr int kAzimuths = 16;
 
 }  // namespace
 
-ViewRule ViewRule::of_camera(const mission::Vehicle& vehicle, double range_m,
-                             double max_incidence_rad) {
-  const double half = vehicle.camera.vfov_rad / 2 - kAngleMargin_rad;
-  return {vehicle.pitch_rad - half, vehicle.pitch_rad + half,
-          std::min(range_m, vehicle.camera.range_m) - kRangeMargin_m,
-          max_incidence_rad - kAngleMargin_rad};
+ViewRule::ViewRule(const mission::Vehicle& vehicle, double range_m, double max_incidence_rad)
+    : min_elevation_rad_(vehicle.pitch_rad - vehicle.camera.vfov_rad / 2 + kAngleMargin_rad),
+      max_elevation_rad_(vehicle.pitch_rad + vehicle.camera.vfov_rad / 2 - kAngleMargin_rad),
+      range_m_(std::min(range_m, vehicle.camera.range_m) - kRangeMargin_m),
+      least_cos_(std::cos(max_incidence_rad - kAngleMargin_rad)) {
+  for (const double share : kElevationShares) {
+    const double el = min_elevation_rad_ + share * (max_elevation_rad_ - min_elevation_rad_);
+    for (int k = 0; k < kAzimuths; ++k) {
+      const double turn = (k % 2 ? -1 : 1) * ((k + 1) / 2) * 2 * std::numbers::pi / kAzimuths;
+      directions_.emplace_back(std::cos(el) * std::cos(turn), std::cos(el) * std::sin(turn),
+                               -std::sin(el));
+    }
+  }
 }
 
 ViewFinder::ViewFinder(const Scene& scene, const ReachableSpace& reachable,
@@ -44,24 +51,16 @@ bool ViewFinder::is_outside(const Vec3& point, const Vec3& normal) const {
 
 std::optional<Vec3> ViewFinder::find(const Vec3& point, const Vec3& normal,
                                      const ViewRule& rule) const {
-  const double least_cos = std::cos(rule.max_incidence_rad);
   const double flat = std::hypot(normal.x(), normal.y());
-  const double facing_rad = flat > 1e-9 ? std::atan2(normal.y(), normal.x()) : 0;
-  for (const double share : kDistanceShares) {
-    const double distance_m = share * rule.range_m;
-    for (const double e : kElevationShares) {
-      const double elevation =
-          rule.min_elevation_rad + e * (rule.max_elevation_rad - rule.min_elevation_rad);
-      for (int k = 0; k < kAzimuths; ++k) {
-        // Straight ahead first, then further to either side.
-        const double turn = (k % 2 ? -1 : 1) * ((k + 1) / 2) * 2 * std::numbers::pi / kAzimuths;
-        const double azimuth = facing_rad + turn;
-        const Vec3 d(std::cos(elevation) * std::cos(azimuth),
-                     std::cos(elevation) * std::sin(azimuth), -std::sin(elevation));
-        if (d.dot(normal) < least_cos) continue;
-        const Vec3 eye = point + distance_m * d;
-        if (reachable_.contains(eye) && scene_.line_of_sight(eye, point)) return eye;
-      }
+  const double c = flat > 1e-9 ? normal.x() / flat : 1, s = flat > 1e-9 ? normal.y() / flat : 0;
+  for (const Vec3& local : rule.directions()) {
+    const Vec3 d(c * local.x() - s * local.y(), s * local.x() + c * local.y(), local.z());
+    if (d.dot(normal) < rule.least_cos()) continue;
+    for (const double share : kDistanceShares) {
+      const Vec3 eye = point + share * rule.range_m() * d;
+      if (!reachable_.contains(eye)) continue;
+      if (scene_.line_of_sight(eye, point)) return eye;
+      break;  // what hides the point from here hides it from further out
     }
   }
   return std::nullopt;

@@ -9,15 +9,22 @@ namespace muster::world {
 
 /// What a view of a point must satisfy. The camera may turn about z as it likes, so only its pitch
 /// limits it.
-struct ViewRule {
-  double min_elevation_rad = 0, max_elevation_rad = 0;  ///< of the point, seen from the camera
-  double range_m = 0;
-  double max_incidence_rad = 0;
-
+class ViewRule {
+ public:
   /// Of a vehicle's camera, a little inside its limits, so that a planner working on cells finds a
   /// view too.
-  static ViewRule of_camera(const mission::Vehicle& vehicle, double range_m,
-                            double max_incidence_rad);
+  ViewRule(const mission::Vehicle& vehicle, double range_m, double max_incidence_rad);
+
+  /// From the point towards cameras, for a surface that faces +x; the straightest come first.
+  const std::vector<Vec3>& directions() const { return directions_; }
+  double range_m() const { return range_m_; }
+  double least_cos() const { return least_cos_; }
+  bool operator==(const ViewRule&) const = default;
+
+ private:
+  double min_elevation_rad_, max_elevation_rad_;  ///< of the point, seen from the camera
+  double range_m_, least_cos_;
+  std::vector<Vec3> directions_;
 };
 
 /// Looks for places from which a robot can see points of a scene, over a fixed pattern of
