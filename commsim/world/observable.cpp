@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "commsim/world/view.h"
 
@@ -14,10 +15,24 @@ constexpr double kMaxIncidence_rad = 80 * std::numbers::pi / 180;
 constexpr std::size_t kTriesPerVoxel = 3;
 
 struct Sample {
-  Voxel voxel;
+  std::uint64_t key;  ///< of the voxel; orders as x, y, z do
   Eigen::Vector3f point;
   std::uint32_t triangle;
 };
+
+constexpr int kKeyOffset = 1 << 20;  // 21 bits for each axis
+
+std::uint64_t key_of(const Eigen::Vector3i& v) {
+  const auto part = [](int i) { return static_cast<std::uint64_t>(i + kKeyOffset); };
+  return part(v.x()) << 42 | part(v.y()) << 21 | part(v.z());
+}
+
+Voxel voxel_of(std::uint64_t key) {
+  const auto part = [key](int shift) {
+    return static_cast<int>(key >> shift & 0x1FFFFF) - kKeyOffset;
+  };
+  return {part(42), part(21), part(0)};
+}
 
 Vec3 corner(const Mesh& mesh, std::size_t t, int i) {
   return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][i])].cast<double>();
@@ -55,11 +70,13 @@ std::vector<Sample> surface_samples(const Mesh& mesh, const mission::Mission& mi
       if (std::none_of(boxes.begin(), boxes.end(), [&](const Box& o) { return o.contains(p); }))
         return;
       const Eigen::Vector3i v = (p / mission.resolution_m).array().floor().cast<int>();
-      samples.push_back({{v.x(), v.y(), v.z()}, p.cast<float>(), static_cast<std::uint32_t>(t)});
+      samples.push_back({key_of(v), p.cast<float>(), static_cast<std::uint32_t>(t)});
     });
   }
-  std::stable_sort(samples.begin(), samples.end(),
-                   [](const Sample& x, const Sample& y) { return x.voxel < y.voxel; });
+  std::sort(samples.begin(), samples.end(), [](const Sample& x, const Sample& y) {
+    return std::tuple(x.key, x.triangle, x.point.x(), x.point.y(), x.point.z()) <
+           std::tuple(y.key, y.triangle, y.point.x(), y.point.y(), y.point.z());
+  });
   return samples;
 }
 
@@ -92,12 +109,12 @@ std::vector<Voxel> observable_surface(const Scene& scene, const mission::Mission
   std::vector<Voxel> voxels;
   for (std::size_t i = 0, end = 0; i < samples.size(); i = end) {
     end = i;
-    while (end < samples.size() && samples[end].voxel == samples[i].voxel) ++end;
+    while (end < samples.size() && samples[end].key == samples[i].key) ++end;
     // A few of the voxel's points, evenly: they may lie on different faces.
     const std::size_t tries = std::min(kTriesPerVoxel, end - i);
     for (std::size_t k = 0; k < tries; ++k) {
       if (!seen(samples[i + k * (end - i) / tries])) continue;
-      voxels.push_back(samples[i].voxel);
+      voxels.push_back(voxel_of(samples[i].key));
       break;
     }
   }
