@@ -107,7 +107,7 @@ void Picture::save(const std::string& file) const {
 /// surroundings are.
 Color shade(const world::Scene& scene, const Vec3& p, const Vec3& n) {
   static const Vec3 sun = Vec3(-0.45, -0.6, 0.9).normalized();
-  const Color base = p.z() < 0.02 ? kGround : n.z() > 0.35 && n.z() < 0.995 ? kRoof : kWall;
+  const Color base = p.z() < 0.02 ? kGround : n.z() > 0.35 && n.z() < 0.9995 ? kRoof : kWall;
   const Vec3 from = p + 0.02 * n;
   const double direct = std::max(0.0, n.dot(sun));
   const bool lit = direct > 0 && !scene.cast(from, sun, 400);
