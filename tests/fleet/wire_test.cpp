@@ -1,0 +1,118 @@
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+extern char** environ;
+
+namespace {
+
+/// A child process that we talk with by lines. Ends with us: when its stdin closes, or else killed
+/// by its pid.
+class Peer {
+ public:
+  explicit Peer(std::vector<std::string> args) {
+    args.insert(args.begin(), MUSTER_BIN_DIR "/wire_peer");
+    int in[2], out[2];
+    REQUIRE(pipe2(in, O_CLOEXEC) == 0);
+    REQUIRE(pipe2(out, O_CLOEXEC) == 0);
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_adddup2(&files, in[0], 0);
+    posix_spawn_file_actions_adddup2(&files, out[1], 1);
+    std::vector<char*> argv;
+    for (std::string& a : args) argv.push_back(a.data());
+    argv.push_back(nullptr);
+    REQUIRE(posix_spawn(&pid_, argv[0], &files, nullptr, argv.data(), environ) == 0);
+    posix_spawn_file_actions_destroy(&files);
+    close(in[0]);
+    close(out[1]);
+    stdin_ = in[1];
+    stdout_ = fdopen(out[0], "r");
+  }
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+  ~Peer() {
+    if (pid_ > 0) kill(pid_, SIGKILL);
+    finish();
+    std::fclose(stdout_);
+  }
+
+  /// Empty when it has ended.
+  std::string line() {
+    char text[512] = {};
+    if (std::fgets(text, sizeof text, stdout_) == nullptr) return {};
+    std::string l = text;
+    if (!l.empty() && l.back() == '\n') l.pop_back();
+    return l;
+  }
+  /// Exit status after closing its stdin.
+  int finish() {
+    if (stdin_ >= 0) close(std::exchange(stdin_, -1));
+    int status = -1;
+    if (pid_ > 0) waitpid(std::exchange(pid_, -1), &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  int stdin_ = -1;
+  FILE* stdout_ = nullptr;
+};
+
+std::set<std::string> files_in(const char* directory) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    const std::string name = entry.path().filename().string();
+    if (name.find("fast") != std::string::npos || name.find("cyclone") != std::string::npos) {
+      names.insert(name);
+    }
+  }
+  return names;
+}
+
+void exchange(const std::string& domain, const std::string& hub_vendor) {
+  Peer hub({hub_vendor, domain, "hub", "1,2,3,4"});
+  REQUIRE(hub.line() == "open");
+  Peer cyclone({"cyclonedds", domain, "agent", "1"});
+  Peer fast({"fastdds", domain, "agent", "2"});
+  CHECK(cyclone.line() == "complete");
+  CHECK(fast.line() == "complete");
+  std::set<std::string> served = {hub.line(), hub.line()};
+  CHECK(served == std::set<std::string>{"complete 1", "complete 2"});
+
+  Peer late_cyclone({"cyclonedds", domain, "agent", "3"});
+  Peer late_fast({"fastdds", domain, "agent", "4"});
+  CHECK(late_cyclone.line() == "complete");
+  CHECK(late_fast.line() == "complete");
+  served = {hub.line(), hub.line()};
+  CHECK(served == std::set<std::string>{"complete 3", "complete 4"});
+  for (Peer* p : {&cyclone, &fast, &late_cyclone, &late_fast, &hub}) CHECK(p->finish() == 0);
+}
+
+TEST_CASE(
+    "every topic crosses between the vendors, 100 B to 1 MB, nothing lost, nobody overheard") {
+  const std::set<std::string> before = files_in("/dev/shm");
+  SECTION("Cyclone hub") { exchange("70", "cyclonedds"); }
+  SECTION("Fast hub") { exchange("72", "fastdds"); }
+  CHECK(files_in("/dev/shm") == before);
+}
+
+TEST_CASE("a second hub is told that the domain is taken") {
+  Peer hub({"cyclonedds", "74", "hub", "1"});
+  REQUIRE(hub.line() == "open");
+  Peer second({"fastdds", "74", "hub", "1"});
+  CHECK(second.line().find("DDS domain 74 is in use") != std::string::npos);
+  CHECK(second.finish() == 1);
+}
+
+}  // namespace
