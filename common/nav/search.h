@@ -1,0 +1,74 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "common/nav/grid.h"
+
+namespace muster::nav {
+
+/// What a voxel is to one search.
+enum class Ground : std::uint8_t { kNotAsked = 0, kNo = 1, kKnown = 2, kUnknown = 3 };
+
+struct SearchRequest {
+  Cell start, goal;
+  double goal_tolerance_m = 0;  ///< 0: the goal voxel itself
+  std::span<const map::Sphere>
+      blocked;  ///< where other bodies are: their radius; ours and clearance are added
+  bool through_unknown = false;
+  double unknown_factor = 2;           ///< cost of a metre of unknown space
+  std::span<const map::Sphere> avoid;  ///< unknown space within these is not entered
+  std::uint32_t max_expansions = 0;
+};
+
+enum class SearchEnd { kFound, kNoWay, kLimit };
+
+/// A* over voxels with 26 neighbours and no cut corners; the octile distance is its exact heuristic
+/// in free space. Steps from voxels with anything in their way cost a little more. Equal estimates
+/// are taken last in, first out, so that the search runs ahead; all in whole numbers.
+class Search {
+ public:
+  explicit Search(Grid& grid);
+
+  SearchEnd run(const SearchRequest& request);
+  /// The voxels of the way found, from start to goal.
+  const std::vector<Cell>& way() const { return way_; }
+
+  /// As seen by the last search: shortening must not leave what it went through.
+  Ground ground(Cell c);
+  /// Something non-traversable among the 26 neighbours.
+  bool tight(Cell c) { return grid_.around(c) != kAllAround; }
+
+ private:
+  struct Content {
+    std::array<std::uint32_t, 4096> cost;
+    std::array<std::uint8_t, 4096> state;  ///< bits 0–4: step that led here, 5: closed, 6–7: Ground
+    void clear() {
+      cost.fill(0xFFFFFFFFu);
+      state.fill(0);
+    }
+  };
+  static constexpr std::uint32_t kBuckets = 4096;
+
+  Ground judge(Cell c) const;
+  std::uint32_t passable_around(Cell c, std::uint32_t& unknown);
+  std::uint32_t estimate(Cell c) const;
+  bool at_goal(Cell c) const;
+  void push(Cell c, std::uint32_t cost, int step);
+  void expand(Cell c, std::uint32_t cost);
+  void trace(Cell goal);
+  void prepare(const SearchRequest& request);
+
+  Grid& grid_;
+  BlockPool<Content> pool_;
+  std::vector<std::vector<std::uint64_t>> buckets_;
+  std::size_t queued_ = 0;
+  SearchRequest request_;
+  std::vector<map::Sphere> keep_out_;  ///< grown by our body, shrunk where the start is within
+  std::uint32_t goal_slack_ = 0;
+  std::uint32_t unknown_eighths_ = 8;
+  std::vector<Cell> way_;
+};
+
+}  // namespace muster::nav
