@@ -6,8 +6,6 @@
 
 namespace muster::map {
 
-BlockKey block_of(VoxelKey v) { return {v.x >> 4, v.y >> 4, v.z >> 4}; }
-
 namespace {
 constexpr int kOffset = 1 << 20;
 constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1;

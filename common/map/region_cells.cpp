@@ -71,14 +71,13 @@ RegionCells::RegionCells(const VoxelMap& map, const Box& box, std::uint32_t look
       if ((z + 0.5) * edge >= kLowestSurfaceM) slot.high_enough[w] = slot.inside[w];
     }
     slot.unknown = slot.inside;
-    index_.emplace(k, slots_.size());
     slots_.push_back(std::move(slot));
   }
-}
-
-RegionCells::Slot* RegionCells::slot_of(BlockKey b) {
-  const auto it = index_.find(b);
-  return it == index_.end() ? nullptr : &slots_[it->second];
+  first_ = slots_.front().key;
+  const BlockKey last = slots_.back().key;
+  nx_ = last.x - first_.x + 1;
+  ny_ = last.y - first_.y + 1;
+  nz_ = last.z - first_.z + 1;
 }
 
 void RegionCells::mark_around(std::size_t slot) {
@@ -151,11 +150,6 @@ void RegionCells::recompute(std::size_t index) {
   owed_.set(index, looks_ == 0 ? kNothing : owed);
 }
 
-bool RegionCells::unknown_in_box(VoxelKey k) const {
-  const auto it = index_.find(block_of(k));
-  return it != index_.end() && bit(slots_[it->second].unknown, local_index(k));
-}
-
 void RegionCells::looked_in_vain(VoxelKey k) {
   Slot* slot = slot_of(block_of(k));
   if (!slot || ++slot->vain[local_index(k)] < kVainLooks) return;
@@ -165,14 +159,14 @@ void RegionCells::looked_in_vain(VoxelKey k) {
 }
 
 void RegionCells::count_look(VoxelKey k) {
-  const auto it = index_.find(block_of(k));
-  if (it == index_.end()) return;
-  Slot& slot = slots_[it->second];
+  const std::size_t index = index_of(block_of(k));
+  if (index == kNone) return;
+  Slot& slot = slots_[index];
   if (slot.looks.empty()) slot.looks.assign(kBlockVoxels, 0);
   std::uint8_t& n = slot.looks[static_cast<std::size_t>(local_index(k))];
   if (n < 255 && ++n == looks_) {
     put(slot.seen, local_index(k), true);
-    mark_around(it->second);
+    mark_around(index);
   }
 }
 

@@ -27,7 +27,10 @@ class RegionCells {
   CellClusters& frontier() { return frontier_; }
   CellClusters& owed() { return owed_; }
 
-  bool unknown_in_box(VoxelKey k) const;
+  bool unknown_in_box(VoxelKey k) const {
+    const std::size_t i = index_of(block_of(k));
+    return i != kNone && bit(slots_[i].unknown, local_index(k));
+  }
   /// A scan should have resolved this frontier voxel and did not. After a few times it is given up.
   void looked_in_vain(VoxelKey frontier);
   /// This surface voxel was in view at a look of the detector.
@@ -48,6 +51,7 @@ class RegionCells {
   }
 
  private:
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   struct Slot {
     BlockKey key;
     Plane inside{}, unknown{}, high_enough{};
@@ -57,14 +61,23 @@ class RegionCells {
     int known = 0;
     bool dirty = false;
   };
-  Slot* slot_of(BlockKey b);
+  std::size_t index_of(BlockKey b) const {
+    const int x = b.x - first_.x, y = b.y - first_.y, z = b.z - first_.z;
+    const bool inside = x >= 0 && x < nx_ && y >= 0 && y < ny_ && z >= 0 && z < nz_;
+    return inside ? static_cast<std::size_t>((x * ny_ + y) * nz_ + z) : kNone;
+  }
+  Slot* slot_of(BlockKey b) {
+    const std::size_t i = index_of(b);
+    return i == kNone ? nullptr : &slots_[i];
+  }
   void mark_around(std::size_t slot);
   void recompute(std::size_t slot);
 
   const VoxelMap& map_;
   std::uint32_t looks_;
   std::vector<Slot> slots_;
-  std::map<BlockKey, std::size_t> index_;
+  BlockKey first_;  ///< slots are in order of x, y, z from here
+  int nx_ = 0, ny_ = 0, nz_ = 0;
   CellClusters::Neighbours neighbours_;
   CellClusters frontier_, owed_;
   std::uint64_t cursor_ = 0, growth_ = 0;

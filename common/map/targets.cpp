@@ -15,7 +15,7 @@ constexpr int kSearchesWhenIdle = 24;  // nothing else to go to: the robot waits
 constexpr std::uint64_t kGrowthThatMatters =
     40;                           // voxels become known: refused clusters are tried again
 constexpr int kVisitsInVain = 4;  // counted 2 for a scan from the very viewpoint, 1 from near it
-constexpr double kSameClusterM = 1.0;
+constexpr double kSameClusterM = 1.0, kMovedM = 0.3;
 
 struct Tracked {
   CellCluster cluster;
@@ -26,11 +26,14 @@ struct Tracked {
   std::vector<Vec3> avoid;  ///< viewpoints that brought nothing
   bool searched = false;    ///< for these very cells
   std::uint64_t searched_growth = 0;
+  std::size_t searched_cells = 0;
+  Vec3 searched_centroid = Vec3::Zero();
   int visits = 0;
   std::size_t cells_at_visit = 0;
   bool exhausted = false;  ///< looked at from its viewpoints, in vain
 };
 
+bool alike(std::size_t a, std::size_t b) { return std::max(a, b) * 4 <= std::min(a, b) * 5; }
 bool similar(std::size_t a, std::size_t b) { return std::max(a, b) * 10 <= std::min(a, b) * 11; }
 
 }  // namespace
@@ -171,6 +174,12 @@ void Targets::Impl::track(CellClusters& source, bool surface, std::vector<Tracke
       t.id = o.id;
       t.views = std::move(o.views);
       t.searched_growth = o.searched_growth;
+      t.searched_cells = o.searched_cells;
+      t.searched_centroid = o.searched_centroid;
+      // A cluster that lost or won a few cells is still best seen from where it was.
+      t.searched = o.searched && !t.views.empty() &&
+                   alike(o.searched_cells, t.cluster.cells.size()) &&
+                   (o.searched_centroid - t.centroid).norm() < kMovedM;
       if (similar(o.cluster.cells.size(), t.cluster.cells.size())) {
         t.avoid = std::move(o.avoid);
         t.exhausted = o.exhausted;
@@ -221,6 +230,8 @@ void Targets::Impl::search_viewpoints(const std::function<bool(const Vec3&)>& re
     for (Viewpoint& v : t->views) v.cluster = t->id;
     t->searched = true;
     t->searched_growth = cells.growth();
+    t->searched_cells = t->cluster.cells.size();
+    t->searched_centroid = t->centroid;
   }
 }
 

@@ -3,18 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/map/voxel_reader.h"
+
 namespace muster::map {
 namespace {
 
 constexpr double kLeastFacing = 0.15;  // cosine of the most grazing view that counts
-constexpr std::size_t kAims = 24;      // cells of a cluster that stand for all of it
+constexpr std::size_t kAims = 18;      // cells of a cluster that stand for all of it
 constexpr int kBearings = 12;
-constexpr double kDistancesM[] = {1.2, 1.9, 2.8, 3.8};
+constexpr double kDistancesM[] = {0.8, 1.5, 2.4, 3.5};
 constexpr double kSlopes[] = {0, 0.3, -0.3};  // height over distance
-constexpr double kEnough = 0.6;  // a first viewpoint that sees this share needs no second
-constexpr double kOthersWeight =
-    0.25;  // what else is in view counts, but the cluster itself comes first
-constexpr std::size_t kFinalists = 3;
+constexpr double kEnough = 0.6;     // a first viewpoint that sees this share needs no second
+constexpr double kGoodShare = 0.6;  // of the best score: among these, what else is in view decides
+constexpr std::size_t kFinalists = 6;
 constexpr double kAvoidM = 0.5;
 
 double facing(const Aim::Spot& s, const Vec3& eye) {
@@ -133,6 +134,30 @@ double ViewpointSearch::area_in_view(const Pose& pose, bool surface) const {
   return seen * kStride * cell_m2;
 }
 
+double ViewpointSearch::volume_in_view(const Pose& pose) const {
+  constexpr int kColumns = 12, kRows = 8;
+  constexpr double kStepM = 0.3;
+  const FieldOfView& fov = config_.camera;
+  const double cell_rad2 = fov.hfov_rad / kColumns * fov.vfov_rad / kRows;
+  VoxelReader reader(map_);
+  double volume_m3 = 0;
+  for (int r = 0; r < kRows; ++r) {
+    for (int c = 0; c < kColumns; ++c) {
+      const double az = fov.hfov_rad * (0.5 - (c + 0.5) / kColumns),
+                   el = fov.vfov_rad * ((r + 0.5) / kRows - 0.5);
+      const Vec3 direction = ray_direction(pose.yaw_rad, config_.pitch_rad, az, el);
+      for (double d = kStepM; d < fov.range_m; d += kStepM) {
+        const VoxelKey k = map_.key(pose.p + d * direction);
+        const Voxel v = reader.at(k);
+        if (v == Voxel::kOccupied) break;
+        if (v == Voxel::kUnknown && cells_.unknown_in_box(k))
+          volume_m3 += d * d * kStepM * cell_rad2 * std::cos(el);
+      }
+    }
+  }
+  return volume_m3;
+}
+
 std::vector<Viewpoint> ViewpointSearch::find(
     const Cluster& cluster, const std::function<bool(const Vec3&)>& reachable) const {
   const std::vector<Aim> targets = aims(cluster);
@@ -166,18 +191,21 @@ std::vector<Viewpoint> ViewpointSearch::find(
   std::stable_sort(candidates.begin(), candidates.end(), better);
   const double cluster_m2 = static_cast<double>(cluster.cells->size()) *
                             map_.config().resolution_m * map_.config().resolution_m;
+  // The cluster comes first, but among poses that see it well the one that looks into most counts.
   std::size_t best = 0;
-  double best_value = -1, best_gain = 0;
+  double best_value = -1;
   for (std::size_t i = 0; i < std::min(kFinalists, candidates.size()); ++i) {
-    const double own = candidates[i].score * cluster_m2;
-    const double gain = std::max(own, area_in_view(candidates[i].pose, cluster.surface));
-    const double value = own + kOthersWeight * (gain - own);
+    const Candidate& c = candidates[i];
+    if (c.score < kGoodShare * candidates[0].score) break;
+    const double worth = cluster.surface ? area_in_view(c.pose, true) : volume_in_view(c.pose);
+    const double value = (worth + 0.5) * c.score;
     if (value > best_value) {
       best = i;
       best_value = value;
-      best_gain = gain;
     }
   }
+  const double best_gain = std::max(candidates[best].score * cluster_m2,
+                                    area_in_view(candidates[best].pose, cluster.surface));
   const Candidate first = candidates[best];
   std::vector<Viewpoint> result{{first.pose, best_gain, cluster.surface, 0}};
   if (first.score >= kEnough) return result;

@@ -51,6 +51,8 @@ class ViewpointSearch {
   std::vector<Aim> aims(const Cluster& cluster) const;
   std::optional<Candidate> judge(const std::vector<Aim>& aims, const Vec3& eye, bool surface) const;
   double area_in_view(const Pose& pose, bool surface) const;
+  /// Unknown volume of the box that the camera would look into if it were all free, m³.
+  double volume_in_view(const Pose& pose) const;
 
   const VoxelMap& map_;
   RegionCells& cells_;

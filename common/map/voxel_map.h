@@ -31,7 +31,7 @@ struct BlockKey {
   auto operator<=>(const BlockKey&) const = default;
 };
 inline constexpr int kBlockSide = 16;
-BlockKey block_of(VoxelKey v);
+inline BlockKey block_of(VoxelKey v) { return {v.x >> 4, v.y >> 4, v.z >> 4}; }
 /// One number per block, for record keys; 21 bits per axis, offset binary.
 std::uint64_t pack(BlockKey b);
 BlockKey unpack_block(std::uint64_t key);
