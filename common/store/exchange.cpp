@@ -83,6 +83,7 @@ Merged Exchange::on_record(RobotId from, std::uint64_t n, Record record, SimTime
 
 void Exchange::on_end(RobotId from, std::uint64_t n, const ExchangeEnd& end) {
   if (end.receiver != store_.self() || end.receiver_epoch != store_.epoch()) return;
+  if (end.first_n > n) return;  // no window at all
   answered_ = true;
   std::uint64_t sender_epoch = 0;  // every end names at least one of its sender's own streams
   std::map<StreamId, std::uint64_t> received;

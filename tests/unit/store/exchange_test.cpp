@@ -190,3 +190,42 @@ TEST_CASE("the same storms catch a digest of a single number") {
   std::printf("single-number digest: %d of 200 storms lost records\n", lost);
   CHECK(lost > 0);
 }
+
+TEST_CASE("an end that was not heard whole, or is not for this start of us, raises nothing") {
+  RecordStore store(id(1), 7);
+  Exchange exchange(store, Random(1, id(1), "exchange"));
+  const Author author{id(2), 1};
+  exchange.on_beacon(id(2), 1, 0, {}, {});
+  exchange.on_record(id(2), 5, {{author, RecordClass::kMap, 1, 4, {}, {}}, {}}, {});
+  const auto complete = [&] {
+    const auto it = store.streams().find({id(2), RecordClass::kMap, 1});
+    return it == store.streams().end() ? 0 : it->second.complete;
+  };
+  const auto end = [&](std::uint64_t receiver_epoch, std::uint64_t first_n, std::uint64_t sent) {
+    return ExchangeEnd{id(1), receiver_epoch, 1, first_n, {{author, RecordClass::kMap, 9, sent}}};
+  };
+  exchange.on_end(id(2), 8, end(7, 5, 2));  // one of two was lost
+  exchange.on_end(id(2), 8, end(6, 5, 1));  // for an earlier start
+  exchange.on_end(id(2), 8, end(7, 9, 0));  // a window that ends before it begins
+  CHECK(complete() == 0);
+  exchange.on_end(id(2), 8, end(7, 5, 1));
+  CHECK(complete() == 9);
+}
+
+TEST_CASE("whatever a digest claims, it does no harm") {
+  RecordStore store(id(1), 7);
+  Exchange exchange(store, Random(1, id(1), "exchange"));
+  store.insert_own({store.next_header(RecordClass::kArea, 1, {}), {}});
+  constexpr std::uint64_t kMax = ~std::uint64_t{0};
+  const std::vector<DigestEntry> nonsense{
+      {{id(1), 7}, RecordClass::kArea, kMax, {{kMax, 1}, {0, kMax}, {5, kMax}}},
+      {{id(1), kMax}, RecordClass{99}, 0, {{3, 4}, {1, 9}}},
+      {{id(1), 7}, RecordClass::kArea, 0, {}}};
+  exchange.on_beacon(id(2), kMax, kMax, nonsense, {});
+  std::uint64_t n = 0;
+  exchange.step({}, 1000, [&] { return ++n; });
+  CHECK_FALSE(exchange.caught_up(id(2), {}));
+  store.merge({{{id(1), kMax}, RecordClass::kArea, 1, kMax, {}, {}}, {}});
+  store.raise({id(3), 1}, RecordClass::kMap, kMax);
+  CHECK(store.digest().size() == 3);
+}
