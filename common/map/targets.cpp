@@ -10,7 +10,7 @@
 namespace muster::map {
 namespace {
 
-constexpr int kSearchesPerUpdate = 6;  // new or changed clusters
+constexpr int kSearchesPerUpdate = 3;  // new or changed clusters
 constexpr int kSearchesWhenIdle = 24;  // nothing else to go to: the robot waits for these
 constexpr std::uint64_t kGrowthThatMatters =
     40;                           // voxels become known: refused clusters are tried again
@@ -52,6 +52,7 @@ struct Targets::Impl {
   RegionCells cells;
   ViewpointSearch search;
   std::vector<Pose> scans;
+  Vec3 last_seen_from = Vec3::Zero();
   std::vector<Look> looks;
   std::vector<Tracked> frontier, owed;
   std::uint32_t next_id = 1;
@@ -86,6 +87,7 @@ void Targets::Impl::take_scans() {
     });
     for (const VoxelKey& k : stubborn) cells.looked_in_vain(k);
     visit(frontier, sensor, {});
+    last_seen_from = sensor.p;
   }
   scans.clear();
 }
@@ -209,22 +211,32 @@ void Targets::Impl::search_viewpoints(const std::function<bool(const Vec3&)>& re
     for (const Tracked& t : *list) anything |= !t.views.empty() && is_owed(t);
   }
   int budget = anything ? kSearchesPerUpdate : kSearchesWhenIdle;
-  // First what never was searched, then what was refused longest ago.
-  std::vector<Tracked*> queue;
+  // What never was searched before what changed before what was refused; the near before the far,
+  // where the robot may go next.
+  struct Waiting {
+    int rank;
+    double off_m;
+    Tracked* cluster;
+  };
+  std::vector<Waiting> queue;
   for (auto* list : {&frontier, &owed}) {
     for (Tracked& t : *list) {
       if (!is_owed(t) || t.exhausted) continue;
       const bool stale =
           t.views.empty() && cells.growth() >= t.searched_growth + kGrowthThatMatters;
-      if (!t.searched || stale) queue.push_back(&t);
+      if (t.searched && !stale) continue;
+      queue.push_back({t.searched        ? 2
+                       : t.views.empty() ? 0
+                                         : 1,
+                       (t.centroid - last_seen_from).norm(), &t});
     }
   }
-  std::stable_sort(queue.begin(), queue.end(), [](const Tracked* a, const Tracked* b) {
-    const auto rank = [](const Tracked& t) { return t.searched ? 2 : t.views.empty() ? 0 : 1; };
-    const int ra = rank(*a), rb = rank(*b);
-    return ra != rb ? ra < rb : a->searched_growth < b->searched_growth;
+  std::stable_sort(queue.begin(), queue.end(), [](const Waiting& a, const Waiting& b) {
+    if (a.rank != b.rank) return a.rank < b.rank;
+    if (a.rank == 2) return a.cluster->searched_growth < b.cluster->searched_growth;
+    return a.off_m < b.off_m;
   });
-  for (Tracked* t : queue) {
+  for (auto& [rank, off_m, t] : queue) {
     if (budget-- == 0) break;
     t->views = search.find({&t->cluster.cells, t->surface, &t->avoid}, reachable);
     for (Viewpoint& v : t->views) v.cluster = t->id;

@@ -9,13 +9,13 @@ namespace muster::map {
 namespace {
 
 constexpr double kLeastFacing = 0.15;  // cosine of the most grazing view that counts
-constexpr std::size_t kAims = 18;      // cells of a cluster that stand for all of it
+constexpr std::size_t kAims = 14;      // cells of a cluster that stand for all of it
 constexpr int kBearings = 12;
 constexpr double kDistancesM[] = {0.8, 1.5, 2.4, 3.5};
 constexpr double kSlopes[] = {0, 0.3, -0.3};  // height over distance
 constexpr double kEnough = 0.6;     // a first viewpoint that sees this share needs no second
 constexpr double kGoodShare = 0.6;  // of the best score: among these, what else is in view decides
-constexpr std::size_t kFinalists = 6;
+constexpr std::size_t kFinalists = 4;
 constexpr double kAvoidM = 0.5;
 
 double facing(const Aim::Spot& s, const Vec3& eye) {
@@ -78,6 +78,7 @@ std::optional<ViewpointSearch::Candidate> ViewpointSearch::judge(const std::vect
                                                                  const Vec3& eye,
                                                                  bool surface) const {
   const FieldOfView fov = reliable(surface);
+  const double steepest = std::tan(fov.vfov_rad / 2);
   struct Seen {
     double az;
     std::uint32_t aim;
@@ -87,7 +88,7 @@ std::optional<ViewpointSearch::Candidate> ViewpointSearch::judge(const std::vect
     const Vec3 d = map_.center(aims[i].cell) - eye;
     const double flat = std::hypot(d.x(), d.y());
     // Cheap first: what no heading brings into view needs no line of sight.
-    if (config_.pitch_rad == 0 && std::abs(std::atan2(d.z(), flat)) > fov.vfov_rad / 2) continue;
+    if (config_.pitch_rad == 0 && std::abs(d.z()) > flat * steepest) continue;
     if (sighted(map_, aims[i], eye, fov.range_m)) seen.push_back({std::atan2(d.y(), d.x()), i});
   }
   if (seen.empty()) return std::nullopt;
@@ -98,7 +99,7 @@ std::optional<ViewpointSearch::Candidate> ViewpointSearch::judge(const std::vect
     std::size_t n = 0;
     double last = 0;
     for (const Seen& s : seen) {
-      double off = wrap_angle(s.az - start.az);
+      double off = s.az - start.az;
       if (off < -1e-12) off += 2 * std::numbers::pi;
       if (off > fov.hfov_rad) continue;
       ++n;
@@ -135,8 +136,8 @@ double ViewpointSearch::area_in_view(const Pose& pose, bool surface) const {
 }
 
 double ViewpointSearch::volume_in_view(const Pose& pose) const {
-  constexpr int kColumns = 12, kRows = 8;
-  constexpr double kStepM = 0.3;
+  constexpr int kColumns = 8, kRows = 6;
+  constexpr double kStepM = 0.4;
   const FieldOfView& fov = config_.camera;
   const double cell_rad2 = fov.hfov_rad / kColumns * fov.vfov_rad / kRows;
   VoxelReader reader(map_);
