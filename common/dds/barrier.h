@@ -1,0 +1,123 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/core/error.h"
+#include "common/dds/participant.h"
+#include "common/mission/messages.h"
+
+/// What the three sides of the lock-step share (DESIGN "Time and determinism"): who sits where,
+/// which topics, how long to wait.
+///
+///     bus domain D (hub: world)                       air domain D+1 (hub: radio)
+///     sim: tick, truth ─▶ robots, radio               up.<id>:   8 topics, robot ─▶ radio
+///          done ◀─ robots, radio                      down.<id>: 8 topics, radio ─▶ robot (and the
+///          station's also ─▶ world)
+///     bus.<id>: samples ─▶ robot, commands ◀─ robot   sim: done, robot ─▶ radio
+///
+/// In a star, participants that are not the hub do not see each other; that is why a robot says
+/// `done` in both domains.
+namespace muster::dds {
+
+struct BarrierConfig {
+  Vendor vendor = Vendor::kCyclone;
+  std::uint32_t domain = 0;                  ///< of the bus; the air is domain + 1
+  std::chrono::duration<double> start{120};  ///< until everyone is matched and the first tick comes
+  std::chrono::duration<double> missing{
+      10};  ///< nothing new for so long in the middle of a tick: the run has failed
+  std::chrono::duration<double> silence{
+      4};  ///< a robot or the radio hears nothing from the world (which speaks every second)
+
+  /// MUSTER_PATIENCE=<factor> in the environment makes every wait longer: for sanitizers and
+  /// debuggers.
+  static BarrierConfig from(Vendor vendor, std::uint32_t domain);
+};
+
+/// Participant numbers. The hub has 0; a robot has different ones in its two domains, because Fast
+/// DDS knows a number only once per process; the hubs' seats in each other's domain lie behind the
+/// robots', below the next domain's ports.
+inline constexpr std::uint32_t kHub = 0;
+inline constexpr std::uint32_t kRadioOnBus = 121;
+inline constexpr std::uint32_t kWorldOnAir = 122;
+/// Throws BadInput for ids that have no number left (above 59).
+std::uint32_t participant_on_bus(RobotId robot);
+std::uint32_t participant_on_air(RobotId robot);
+
+/// `Done.k` of a process that is matched and waits for the first tick.
+inline constexpr std::uint64_t kReady = ~std::uint64_t{0};
+
+inline constexpr mission::MessageClass kSampleClasses[] = {
+    mission::MessageClass::kOdometry, mission::MessageClass::kScan,
+    mission::MessageClass::kSightings, mission::MessageClass::kBattery,
+    mission::MessageClass::kInspected};
+inline constexpr mission::MessageClass kCommandClasses[] = {mission::MessageClass::kTrajectory,
+                                                            mission::MessageClass::kInspect,
+                                                            mission::MessageClass::kCharge};
+
+/// "I am matched": what a process says until the clock starts.
+mission::Done ready();
+
+ParticipantConfig participant_config(const BarrierConfig& config, std::uint32_t domain,
+                                     std::uint32_t participant);
+
+/// The world asked for the run to end, on purpose or because something failed; `what()` is its
+/// note.
+class WorldEnded : public Failure {
+ public:
+  WorldEnded(const std::string& note, bool failed) : Failure(note), failed_(failed) {}
+  bool failed() const { return failed_; }
+
+ private:
+  bool failed_;
+};
+
+/// CPU time of this process since it started.
+float cpu_of_process_ms();
+
+/// One writer per topic for one partition.
+class WriterSet {
+ public:
+  WriterSet() = default;
+  template <class Classes>
+  WriterSet(Participant& participant, const Classes& classes, const std::string& partition,
+            const OnMatch& on_match) {
+    for (mission::MessageClass cls : classes) add(participant, cls, partition, on_match);
+  }
+  void add(Participant& participant, mission::MessageClass cls, const std::string& partition,
+           const OnMatch& on_match, Delivery delivery = Delivery::kEvery);
+  /// Throws std::logic_error when the class has no writer here.
+  void write(const mission::Message& message) const;
+  /// Every writer has at least `readers`.
+  bool matched(int readers) const;
+
+ private:
+  struct Entry {
+    mission::MessageClass cls;
+    std::unique_ptr<Writer> writer;
+  };
+  std::vector<Entry> writers_;
+};
+
+/// One reader per topic for one partition (or pattern).
+class ReaderSet {
+ public:
+  ReaderSet() = default;
+  template <class Classes>
+  ReaderSet(Participant& participant, const Classes& classes, const std::string& partition,
+            const OnMessage& on_message, const OnMatch& on_match) {
+    for (mission::MessageClass cls : classes)
+      add(participant, cls, partition, on_message, on_match);
+  }
+  void add(Participant& participant, mission::MessageClass cls, const std::string& partition,
+           const OnMessage& on_message, const OnMatch& on_match,
+           Delivery delivery = Delivery::kEvery);
+  bool matched(int writers) const;
+
+ private:
+  std::vector<std::unique_ptr<Reader>> readers_;
+};
+
+}  // namespace muster::dds

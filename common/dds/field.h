@@ -1,0 +1,59 @@
+#pragma once
+
+#include <csignal>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/core/time.h"
+#include "common/dds/barrier.h"
+#include "common/dds/inbox.h"
+#include "common/mission/process.h"
+
+namespace muster::dds {
+
+struct FieldConfig {
+  RobotId self;
+  bool station = false;
+  Vendor vendor = Vendor::kCyclone;
+  std::uint32_t bus_domain = 0;  ///< drivers (or the simulated world), on this computer only
+  std::uint32_t air_domain = 1;  ///< everybody, partition `air`
+  Profile air_profile = Profile::kWifiUnicast;
+  std::string network_interface;
+  std::vector<std::string> peers;
+  double speed = 1;  ///< mission seconds per second; other than 1 only with a simulated world
+};
+
+/// A robot on its own clock: no barrier, no hub on the air. Steps ten times a second with whatever
+/// has arrived.
+///
+/// The clock is the drivers': the first odometry sets mission time, later ones correct it by
+/// slewing (at most 1 %), never by jumping, so that time always moves forward. Before the first
+/// odometry nothing happens: a robot that does not know where it is does not act.
+class FieldRunner {
+ public:
+  using Step = std::function<mission::StepOutput(const mission::StepInput&)>;
+
+  explicit FieldRunner(const FieldConfig& config);
+  ~FieldRunner();
+
+  /// Until `stop`, which may be set from a signal handler; looked at every step.
+  void run(const Step& step, const volatile std::sig_atomic_t& stop);
+
+ private:
+  void sort_in(std::vector<mission::Message>&& messages);
+  void correct_clock(SimTime driver_time);
+  double now_s() const;
+
+  FieldConfig config_;
+  Inbox inbox_;
+  std::unique_ptr<Participant> bus_, air_;
+  ReaderSet samples_, air_in_reader_;
+  WriterSet commands_, air_out_;
+  std::vector<mission::Message> bus_in_, air_in_;
+  std::optional<double> offset_s_;  ///< mission time − speed · monotonic time
+};
+
+}  // namespace muster::dds

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/dds/barrier.h"
+#include "common/dds/inbox.h"
+#include "common/mission/process.h"
+
+namespace muster::dds {
+
+/// A robot's side of the barrier: waits for the tick and for exactly what it announces, in (src, n)
+/// order steps the robot, sends what it says, and answers `Done`. Nothing acts on arrival.
+class RobotLockstep {
+ public:
+  using Step = std::function<mission::StepOutput(const mission::StepInput&)>;
+
+  RobotLockstep(const BarrierConfig& config, RobotId self, bool station);
+  ~RobotLockstep();
+
+  /// Steps until the world ends the run; returns its reason. Throws WorldEnded when the run has
+  /// failed, Failure when the world falls silent.
+  std::string run(const Step& step);
+
+ private:
+  void await_first_tick();
+  bool await_tick();
+  void await_inputs();
+  void sort_in(std::vector<mission::Message>&& messages);
+  void send(mission::StepOutput&& output);
+  void say_done(mission::Done done);
+  bool matched() const;
+
+  BarrierConfig config_;
+  RobotId self_;
+  Inbox inbox_;
+  std::unique_ptr<Participant> bus_, air_;
+  ReaderSet samples_, down_, tick_reader_;
+  WriterSet commands_, up_, done_bus_, done_air_;
+
+  mission::Tick tick_;
+  bool started_ = false, tick_is_new_ = false;
+  Inbox::Clock::time_point world_heard_;
+  std::vector<mission::Message> bus_in_, air_in_;
+};
+
+/// The radio's side: hears truth, everyone's `Done` and as many messages as they announce; writes
+/// deliveries and answers with their counts.
+class RadioLockstep {
+ public:
+  struct Output {
+    std::map<RobotId, std::vector<mission::Message>> deliveries;
+    std::uint64_t trace = 0;
+  };
+  struct Callbacks {
+    std::function<Output(const mission::Truth&,
+                         const std::map<RobotId, std::vector<mission::Message>>&)>
+        step;
+    std::function<void(RobotId, bool alive)> set_alive;
+  };
+
+  RadioLockstep(const BarrierConfig& config, const std::vector<RobotId>& fleet, RobotId station);
+  ~RadioLockstep();
+
+  std::string run(const Callbacks& callbacks);
+  /// From any thread: its process is gone, wait for it no longer.
+  void lost(RobotId robot);
+  /// From any thread: its process is about to start again; the way to it is opened.
+  void expected(RobotId robot);
+
+ private:
+  void take(Inbox::Clock::time_point deadline);
+  void apply_notices();
+  void open_way(RobotId robot);
+  void await_matches();
+  void await_sent();
+  bool has_everything();
+  bool matched() const;
+  void say_done(mission::Done done);
+
+  BarrierConfig config_;
+  RobotId station_;
+  Inbox inbox_;
+  std::unique_ptr<Participant> bus_, air_;
+  ReaderSet sim_, up_, done_air_;
+  WriterSet done_bus_;
+  std::map<RobotId, WriterSet> down_;
+
+  std::mutex notices_mutex_;
+  std::vector<std::pair<RobotId, bool>> notices_;  ///< (robot, lives)
+  std::map<RobotId, bool> alive_;                  ///< as told to the callbacks
+  std::set<RobotId> ready_;
+  bool must_rematch_ = true;
+
+  mission::Tick tick_;
+  bool started_ = false, tick_is_new_ = false;
+  Inbox::Clock::time_point world_heard_;
+  std::map<std::uint64_t, mission::Truth> truths_;
+  std::map<RobotId, std::uint32_t> announced_;  ///< of this tick
+  std::map<RobotId, std::vector<mission::Message>> sent_;
+};
+
+}  // namespace muster::dds

@@ -1,0 +1,165 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "common/core/log.h"
+#include "common/dds/convert.h"
+#include "common/dds/lockstep.h"
+#include "common/dds/order.h"
+
+namespace muster::dds {
+
+using mission::Message;
+using mission::MessageClass;
+using Clock = Inbox::Clock;
+
+namespace {
+
+/// Until the first tick, readiness is said again this often: the first time may fall before the
+/// world knows us.
+constexpr auto kSayAgain = std::chrono::milliseconds(100);
+
+Clock::time_point in(std::chrono::duration<double> d) {
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(d);
+}
+
+}  // namespace
+
+RobotLockstep::RobotLockstep(const BarrierConfig& config, RobotId self, bool station)
+    : config_(config),
+      self_(self),
+      bus_(make_participant(participant_config(config, config.domain, participant_on_bus(self)))),
+      air_(make_participant(
+          participant_config(config, config.domain + 1, participant_on_air(self)))) {
+  const OnMessage on_message = inbox_.on_message();
+  const OnMatch on_match = inbox_.on_match();
+  samples_ = ReaderSet(*bus_, kSampleClasses, bus_partition(self), on_message, on_match);
+  if (station)
+    samples_.add(*bus_, MessageClass::kOperatorRequest, bus_partition(self), on_message, on_match);
+  tick_reader_.add(*bus_, MessageClass::kTick, kSimPartition, on_message, on_match);
+  commands_ = WriterSet(*bus_, kCommandClasses, bus_partition(self), on_match);
+  done_bus_.add(*bus_, MessageClass::kDone, kSimPartition, on_match);
+  down_ = ReaderSet(*air_, mission::kAirClasses, down_partition(self), on_message, on_match);
+  up_ = WriterSet(*air_, mission::kAirClasses, up_partition(self), on_match);
+  done_air_.add(*air_, MessageClass::kDone, kSimPartition, on_match);
+}
+
+RobotLockstep::~RobotLockstep() = default;
+
+bool RobotLockstep::matched() const {
+  return samples_.matched(1) && tick_reader_.matched(1) && down_.matched(1) &&
+         commands_.matched(1) && up_.matched(1) && done_bus_.matched(1) && done_air_.matched(1);
+}
+
+void RobotLockstep::sort_in(std::vector<Message>&& messages) {
+  for (Message& message : messages) {
+    if (message.cls == MessageClass::kTick) {
+      world_heard_ = Clock::now();
+      auto tick = decode<mission::Tick>(message);
+      const bool mine = std::find(tick.alive.begin(), tick.alive.end(), self_) != tick.alive.end();
+      if (tick.phase == mission::TickPhase::kFailed) throw WorldEnded(tick.note, true);
+      // A tick is said again every second, so that silence means that the world is gone.
+      if ((!started_ || tick.k > tick_.k || tick.phase == mission::TickPhase::kEnd) && mine) {
+        tick_ = std::move(tick);
+        tick_is_new_ = true;
+      }
+    } else if (mission::is_air(message.cls)) {
+      air_in_.push_back(std::move(message));
+    } else {
+      bus_in_.push_back(std::move(message));
+    }
+  }
+}
+
+void RobotLockstep::say_done(mission::Done done) {
+  done.process = self_;
+  done.envelope = {.n = done.k, .src = self_, .cls = MessageClass::kDone, .sent = tick_.time};
+  const Message message = encode(done);
+  done_bus_.write(message);
+  done_air_.write(message);
+}
+
+void RobotLockstep::await_first_tick() {
+  const auto deadline = in(config_.start);
+  while (!tick_is_new_) {
+    if (matched()) say_done(ready());
+    sort_in(inbox_.take(std::min(deadline, Clock::now() + kSayAgain)));
+    if (Clock::now() >= deadline) {
+      throw Failure(matched() ? "the world did not start the clock"
+                              : fmt::format("nobody answers on DDS domains {} and {}",
+                                            config_.domain, config_.domain + 1));
+    }
+  }
+  started_ = true;
+}
+
+/// False: the run is over.
+bool RobotLockstep::await_tick() {
+  while (!tick_is_new_) {
+    sort_in(
+        inbox_.take(world_heard_ + std::chrono::duration_cast<Clock::duration>(config_.silence)));
+    if (!tick_is_new_ && Clock::now() - world_heard_ >= config_.silence) {
+      throw Failure(fmt::format("the world has been silent for {:.0f} s: it is gone, or stopped",
+                                config_.silence.count()));
+    }
+  }
+  tick_is_new_ = false;
+  return tick_.phase == mission::TickPhase::kRun;
+}
+
+void RobotLockstep::await_inputs() {
+  const auto mine = std::find_if(tick_.expect.begin(), tick_.expect.end(),
+                                 [&](const auto& e) { return e.process == self_; });
+  const std::size_t bus = mine == tick_.expect.end() ? 0 : mine->bus;
+  const std::size_t air = mine == tick_.expect.end() ? 0 : mine->air;
+  auto deadline = in(config_.missing);
+  while (bus_in_.size() < bus || air_in_.size() < air) {
+    auto messages = inbox_.take(deadline);
+    if (!messages.empty()) {
+      const bool only_ticks = std::all_of(messages.begin(), messages.end(), [](const Message& m) {
+        return m.cls == MessageClass::kTick;
+      });
+      if (!only_ticks) deadline = in(config_.missing);
+      sort_in(std::move(messages));
+    }
+    if (Clock::now() >= deadline) {
+      throw Failure(
+          fmt::format("tick {}: robot {} has {} of {} bus samples and {} of {} radio messages",
+                      tick_.k, self_.value, bus_in_.size(), bus, air_in_.size(), air));
+    }
+  }
+}
+
+void RobotLockstep::send(mission::StepOutput&& output) {
+  for (const Message& message : output.air) up_.write(message);
+  for (const Message& message : output.bus) commands_.write(message);
+  mission::Done done;
+  done.k = tick_.k;
+  done.sent_air = static_cast<std::uint32_t>(output.air.size());
+  done.sent_bus = static_cast<std::uint32_t>(output.bus.size());
+  done.trace = output.trace;
+  done.declares_complete = output.declares_complete;
+  done.activity = output.activity;
+  done.cpu_ms = cpu_of_process_ms();
+  done.planning = std::move(output.planning);
+  say_done(std::move(done));
+}
+
+std::string RobotLockstep::run(const Step& step) {
+  await_first_tick();
+  while (await_tick()) {
+    log::set_time(tick_.time);
+    await_inputs();
+    mission::StepInput input{.tick = tick_.k,
+                             .now = tick_.time,
+                             .bus = std::exchange(bus_in_, {}),
+                             .air = std::exchange(air_in_, {})};
+    sort_messages(input.bus);
+    sort_messages(input.air);
+    send(step(input));
+  }
+  return tick_.note;
+}
+
+}  // namespace muster::dds

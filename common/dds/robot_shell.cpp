@@ -1,0 +1,130 @@
+#include "common/dds/robot_shell.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+
+#include "common/core/error.h"
+#include "common/core/log.h"
+#include "common/core/program.h"
+#include "common/core/yaml.h"
+#include "common/dds/field.h"
+#include "common/dds/lockstep.h"
+
+namespace muster::dds {
+namespace {
+
+volatile std::sig_atomic_t g_stop = 0;
+
+void stop_on_signal() {
+  for (int signal : {SIGTERM, SIGINT}) {
+    std::signal(signal, [](int) { g_stop = 1; });
+  }
+}
+
+std::uint64_t epoch_of(const RobotShellOptions& options) {
+  if (options.epoch) return *options.epoch;
+  if (!options.field) return 1;
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
+}
+
+std::string run_in_field(const RobotShellOptions& options, mission::Process& process,
+                         bool station) {
+  FieldConfig config;
+  config.self = process.id();
+  config.station = station;
+  config.vendor = vendor_from(options.vendor);
+  config.bus_domain = *options.domain;
+  config.air_domain = options.air_domain.value_or(*options.domain + 1);
+  config.air_profile =
+      options.profile.empty() ? Profile::kSimLocalhost : profile_from(options.profile);
+  config.network_interface = options.network_interface;
+  config.peers = options.peers;
+  config.speed = options.speed;
+  FieldRunner runner(config);
+  stop_on_signal();
+  runner.run([&](const mission::StepInput& input) { return process.step(input); }, g_stop);
+  return "asked to stop";
+}
+
+std::string run_in_barrier(const RobotShellOptions& options, mission::Process& process,
+                           bool station) {
+  RobotLockstep barrier(BarrierConfig::from(vendor_from(options.vendor), *options.domain),
+                        process.id(), station);
+  return barrier.run([&](const mission::StepInput& input) { return process.step(input); });
+}
+
+}  // namespace
+
+RobotShellOptions RobotShellOptions::from_file(const std::string& path) {
+  RobotShellOptions o;
+  o.field = true;
+  YamlMap map = YamlMap::load(path);
+  map.require("mission", o.mission_file);
+  map.read("id", o.id);
+  map.read("dds", o.vendor);
+  map.read("profile", o.profile);
+  map.read("interface", o.network_interface);
+  map.read("peers", o.peers);
+  map.read("domain", o.air_domain);
+  map.read("bus_domain", o.domain);
+  map.read("state_dir", o.out);
+  map.finish();
+  if (!o.domain && o.air_domain) o.domain = *o.air_domain + 1;
+  return o;
+}
+
+void RobotShellOptions::validate() const {
+  if (mission_file.empty()) throw BadInput("--mission: a mission file is needed");
+  if (!id) throw BadInput("--id: which robot of the mission this is");
+  if (!domain) throw BadInput("--domain: the DDS domain of the bus is needed");
+  vendor_from(vendor);
+  if (!profile.empty()) profile_from(profile);
+  if (!(speed > 0)) throw BadInput("--speed: must be above 0");
+}
+
+std::string RobotShellOptions::to_yaml() const {
+  return fmt::format(
+      "mission: {}\nid: {}\ndds: {}\nprofile: {}\ninterface: {}\npeers: [{}]\ndomain: "
+      "{}\nbus_domain: {}\nstate_dir: {}\n",
+      mission_file, *id, vendor, profile.empty() ? "sim-localhost" : profile,
+      network_interface.empty() ? "\"\"" : network_interface, fmt::join(peers, ", "),
+      air_domain.value_or(*domain + 1), *domain, out);
+}
+
+int run_robot(const RobotShellOptions& options, bool station, const MakeProcess& make_process) {
+  end_with_launcher();
+  options.validate();
+  const mission::Mission mission = mission::Mission::load(options.mission_file, options.set);
+  const RobotId self{*options.id};
+  if (!mission.has(self))
+    throw BadInput(fmt::format("--id: the mission has no robot {}", self.value));
+  if ((mission.robot(self).role == mission::Role::kStation) != station) {
+    throw BadInput(
+        fmt::format("--id: robot {} is {}", self.value,
+                    station ? "not a station: use muster-agent" : "a station: use muster-gcs"));
+  }
+  std::error_code error;
+  std::filesystem::create_directories(options.out + "/logs", error);
+  log::open(options.out + "/logs", fmt::format("{}-{}", station ? "gcs" : "agent", self.value));
+  const std::unique_ptr<mission::Process> process = make_process(mission, self, epoch_of(options));
+  try {
+    const std::string reason = options.field ? run_in_field(options, *process, station)
+                                             : run_in_barrier(options, *process, station);
+    log::info("ended: {}", reason);
+  } catch (const std::exception& e) {
+    log::error("{}", e.what());
+    process->finish(options.out);
+    throw;
+  }
+  process->finish(options.out);
+  return 0;
+}
+
+}  // namespace muster::dds

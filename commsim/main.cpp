@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "common/core/line_channel.h"
+#include "common/core/log.h"
+#include "common/core/program.h"
+#include "common/dds/lockstep.h"
+#include "commsim/relay.h"
+
+namespace muster {
+namespace {
+
+struct Options {
+  std::string mission_file, vendor = "cyclonedds", out = ".";
+  std::vector<std::string> set;
+  std::uint32_t domain = 0;
+  int control_fd = -1;
+};
+
+std::vector<RobotId> robots_of(const mission::Mission& mission) {
+  std::vector<RobotId> all;
+  for (const mission::RobotConfig& robot : mission.fleet) all.push_back(robot.id);
+  return all;
+}
+
+/// Listens to `muster run`: who died, who is about to come back. Ends with the launcher.
+void listen(LineChannel& control, dds::RadioLockstep& radio) {
+  while (const auto line = control.read_line()) {
+    const auto message = nlohmann::json::parse(*line);
+    if (message.contains("dead")) radio.lost(RobotId{message["dead"].get<std::uint32_t>()});
+    if (message.contains("expected"))
+      radio.expected(RobotId{message["expected"].get<std::uint32_t>()});
+  }
+}
+
+int run(const Options& options) {
+  end_with_launcher();
+  log::open(options.out + "/logs", "commsim");
+  const mission::Mission mission = mission::Mission::load(options.mission_file, options.set);
+  commsim::Relay relay(mission, world::Scene::load(mission));
+  dds::RadioLockstep radio(
+      dds::BarrierConfig::from(dds::vendor_from(options.vendor), options.domain),
+      robots_of(mission), mission.station());
+  LineChannel control(options.control_fd);
+  std::thread listener;
+  if (options.control_fd >= 0) listener = std::thread([&] { listen(control, radio); });
+
+  std::string error, note;
+  try {
+    note = radio.run(
+        {.step =
+             [&](const mission::Truth& truth, const auto& sent) {
+               commsim::Relay::Outcome outcome = relay.step(truth, sent);
+               return dds::RadioLockstep::Output{std::move(outcome.deliveries), outcome.trace};
+             },
+         .set_alive = [&](RobotId robot, bool alive) { relay.set_alive(robot, alive); }});
+  } catch (const std::exception& e) {
+    error = e.what();
+  }
+  if (listener.joinable()) {
+    control.write_line(nlohmann::json{{"radio", relay.summary()}}.dump());
+    if (!error.empty()) control.write_line(nlohmann::json{{"failed", error}}.dump());
+    // The launcher hangs up when everybody has ended: until then what we sent last may still be on
+    // its way.
+    listener.join();
+  }
+  if (!error.empty()) throw Failure(error);
+  log::info("ended: {}", note);
+  return 0;
+}
+
+}  // namespace
+}  // namespace muster
+
+int main(int argc, char** argv) {
+  muster::Options options;
+  CLI::App app{
+      "muster-commsim: the radio. Hears what every robot sends, decides by range and walls who "
+      "receives it, and delivers it one tick "
+      "later. Started by `muster run`; robots in the field have a real radio instead."};
+  app.add_option("--mission", options.mission_file, "mission file")->required();
+  app.add_option("--set", options.set, "KEY=VALUE: overrides a key of the mission file; repeatable")
+      ->expected(1)
+      ->take_all();
+  app.add_option("--domain", options.domain, "DDS domain of the bus; the radio is on the next one")
+      ->required();
+  app.add_option("--dds", options.vendor, "cyclonedds or fastdds")->capture_default_str();
+  app.add_option("--out", options.out, "directory whose logs/ gets the log")->capture_default_str();
+  app.add_option("--control-fd", options.control_fd, "socket on which `muster run` talks to us");
+  CLI11_PARSE(app, argc, argv);
+  return muster::run_program("muster-commsim", [&] { return muster::run(options); });
+}

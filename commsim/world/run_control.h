@@ -1,0 +1,71 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/core/ids.h"
+#include "common/core/line_channel.h"
+#include "common/mission/messages.h"
+
+namespace muster::world {
+
+/// How a process of `muster-world` is asked to run.
+struct RunnerOptions {
+  std::string mission_file, vendor = "cyclonedds", out = ".";
+  std::vector<std::string> set;
+  std::uint32_t domain = 0;
+  double duration_s = 0;
+  double speed = 0;  ///< 0: as fast as possible
+  int control_fd = -1;
+};
+
+/// The world's end of the conversation with `muster run`, one JSON object a line:
+///
+///     to us    {"dead": id, "how": text}   {"request": verb, "robot": id}   {"stop": reason}   end
+///     of stream: go from us  {"progress": …}  {"kill": id}  {"revive": id}  {"summary": …}
+///     {"failed": text}
+class RunControl {
+ public:
+  explicit RunControl(int fd);
+  ~RunControl();
+  RunControl(const RunControl&) = delete;
+  RunControl& operator=(const RunControl&) = delete;
+
+  /// Called on the listening thread, before the request itself is put aside.
+  void on_dead(std::function<void(RobotId)> call);
+  void on_stop(std::function<void(const std::string&)> call);
+
+  void tell(const nlohmann::json& message);
+  std::vector<std::pair<mission::RequestVerb, RobotId>> take_requests();
+  /// Robots whose process ended, since the last call.
+  std::vector<RobotId> take_dead();
+  /// How the process of a lost robot ended.
+  std::string how_lost(RobotId robot);
+  /// Why we shall stop; empty: go on.
+  std::string stop_reason();
+  /// Waits until `muster run` hangs up, which it does when everybody has ended. At once when nobody
+  /// started us.
+  void await_hang_up();
+
+ private:
+  void listen();
+
+  LineChannel channel_;
+  const bool connected_;
+  std::mutex mutex_;
+  std::function<void(RobotId)> dead_call_;
+  std::function<void(const std::string&)> stop_call_;
+  std::vector<std::pair<mission::RequestVerb, RobotId>> requests_;
+  std::vector<std::pair<RobotId, std::string>> dead_;
+  std::size_t dead_taken_ = 0;
+  std::string stop_reason_;
+  std::thread thread_;
+};
+
+}  // namespace muster::world

@@ -1,0 +1,100 @@
+#include "deploy/muster/memory_fleet.h"
+
+#include <utility>
+
+#include "common/dds/order.h"
+
+namespace muster::command {
+
+using mission::Message;
+
+MemoryFleet::MemoryFleet(const mission::Mission& mission, ProcessFactory factory,
+                         const world::FlightConfig& config)
+    : MemoryFleet(mission, world::Scene::load(mission), std::move(factory), config) {}
+
+MemoryFleet::MemoryFleet(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene,
+                         ProcessFactory factory, const world::FlightConfig& config)
+    : mission_(mission),
+      factory_(std::move(factory)),
+      out_(config.out),
+      world_(mission_, scene),
+      relay_(mission_, scene),
+      flight_(mission_, world_, config) {
+  for (const mission::RobotConfig& robot : mission_.fleet) start(robot.id);
+}
+
+MemoryFleet::~MemoryFleet() = default;
+
+void MemoryFleet::start(RobotId robot) {
+  robots_.emplace(robot, factory_(mission_, robot, ++starts_[robot]));
+}
+
+/// Kills and revivals due now, between ticks.
+void MemoryFleet::run_script() {
+  for (const mission::ScriptedEvent& event : world_.scripted(k_)) {
+    const bool lives = robots_.contains(event.robot);
+    if (event.verb == "kill" && lives) {
+      robots_.erase(event.robot);
+      arriving_.erase(event.robot);
+      flight_.robot_lost(event.robot, "scripted");
+    } else if (event.verb == "revive" && !lives) {
+      start(event.robot);
+      flight_.robot_back(event.robot);
+    } else {
+      continue;
+    }
+    world_.set_alive(event.robot, !lives);
+    relay_.set_alive(event.robot, !lives);
+  }
+}
+
+void MemoryFleet::step_robots(const std::vector<world::World::Samples>& samples) {
+  std::map<RobotId, std::vector<Message>> bus;
+  for (const world::World::Samples& s : samples) bus[s.robot] = s.messages;
+  commands_.clear();
+  sent_.clear();
+  for (auto& [id, robot] : robots_) {
+    mission::StepInput input{.tick = k_,
+                             .now = time_of_tick(k_),
+                             .bus = std::move(bus[id]),
+                             .air = std::move(arriving_[id])};
+    dds::sort_messages(input.bus);
+    dds::sort_messages(input.air);
+    mission::StepOutput output = robot->step(input);
+    flight_.robot_done({.robot = id,
+                        .trace = output.trace,
+                        .declares_complete = output.declares_complete,
+                        .activity = output.activity,
+                        .planning = std::move(output.planning)});
+    for (Message& message : output.bus) commands_.push_back(std::move(message));
+    if (!output.air.empty()) sent_[id] = std::move(output.air);
+  }
+  arriving_.clear();
+  dds::sort_messages(commands_);
+}
+
+std::optional<std::string> MemoryFleet::tick() {
+  run_script();
+  const std::vector<world::World::Samples> samples = world_.begin_tick(k_);
+  const mission::Truth truth = world_.truth();
+  flight_.tick_begins(k_, truth);
+  flight_.station_heard(arriving_[mission_.station()]);
+  step_robots(samples);
+
+  commsim::Relay::Outcome radio = relay_.step(truth, sent_);
+  flight_.radio_done(radio.trace);
+  arriving_ = std::move(radio.deliveries);
+  world_.end_tick(k_, commands_);
+  return flight_.end_reason(k_++, robots_.size());
+}
+
+nlohmann::json MemoryFleet::finish(const std::string& reason) {
+  if (!out_.empty()) {
+    for (auto& [id, robot] : robots_) robot->finish(out_);
+  }
+  nlohmann::json summary = flight_.finish(reason);
+  summary.update(relay_.summary());
+  return summary;
+}
+
+}  // namespace muster::command

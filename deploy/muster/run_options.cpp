@@ -1,0 +1,60 @@
+#include "deploy/muster/run_options.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+
+#include "common/core/error.h"
+
+namespace muster::command {
+
+std::vector<std::string> RunOptions::overrides() const {
+  std::vector<std::string> all = set;
+  if (strategy) all.push_back("strategy=" + *strategy);
+  if (seed) all.push_back("seed=" + std::to_string(*seed));
+  return all;
+}
+
+double RunOptions::speed_factor() const {
+  if (speed == "max") return 0;
+  char* end = nullptr;
+  const double factor = std::strtod(speed.c_str(), &end);
+  if (end == speed.c_str() || *end != '\0' || !std::isfinite(factor) || factor <= 0) {
+    throw BadInput("--speed: '" + speed + "' is neither max nor a number above 0");
+  }
+  return factor;
+}
+
+void RunOptions::validate(const mission::Mission& mission) const {
+  if (!std::isfinite(duration_s) || duration_s < 0)
+    throw BadInput("--duration: must be a number of seconds, 0 or more");
+  if (link == "direct" && transport == "memory") {
+    throw BadInput("--link direct: needs processes of their own, so --transport dds");
+  }
+  if (link == "direct" && speed == "max") {
+    throw BadInput("--link direct: everyone flies on their own clock; say how fast with --speed 1");
+  }
+  if (transport == "memory" && !external.empty())
+    throw BadInput("--external: needs --transport dds");
+  for (std::uint32_t id : external) {
+    if (!mission.has(RobotId{id})) {
+      throw BadInput("--external: the mission has no robot " + std::to_string(id));
+    }
+  }
+  speed_factor();
+}
+
+void prepare_output(const std::string& dir) {
+  std::error_code error;
+  std::filesystem::create_directories(dir + "/logs", error);
+  if (error) throw Failure("--out: " + dir + ": cannot be made: " + error.message());
+  for (const std::string& place : {dir, dir + "/logs"}) {
+    if (access(place.c_str(), W_OK | X_OK) != 0)
+      throw Failure("--out: " + place + ": cannot be written to");
+  }
+}
+
+}  // namespace muster::command

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/mission/mission.h"
+
+namespace muster::command {
+
+/// The options of `muster run` (DESIGN "The command").
+struct RunOptions {
+  std::string mission_file;
+  std::optional<std::string> strategy;
+  std::optional<std::uint64_t> seed;
+  std::string dds = "cyclonedds";  ///< cyclonedds | fastdds | mixed
+  std::string transport = "dds";   ///< dds | memory
+  std::string link = "radio";      ///< radio | direct
+  std::string speed = "max";       ///< max, or times real time
+  std::vector<std::string> set;    ///< key=value
+  std::vector<std::uint32_t> external;
+  std::string out;  ///< default: runs/<mission name>
+  std::optional<std::uint32_t> domain;
+  double duration_s = 0;
+  bool json = false;
+  bool report = true;
+
+  /// `set` with --strategy and --seed folded in: what `Mission::load` and every child process are
+  /// given.
+  std::vector<std::string> overrides() const;
+  /// 0: as fast as possible.
+  double speed_factor() const;
+  /// Throws BadInput for values that contradict each other or the mission.
+  void validate(const mission::Mission& mission) const;
+};
+
+/// Makes DIR and DIR/logs. Throws Failure when nothing can be written there.
+void prepare_output(const std::string& dir);
+
+}  // namespace muster::command

@@ -1,0 +1,7 @@
+#include "common/dds/robot_cli.h"
+#include "tests/fleet/hopper.h"
+
+int main(int argc, char** argv) {
+  return muster::dds::robot_main(argc, argv, "muster-agent", "a robot that hops", false,
+                                 muster::test::make_hopper);
+}
