@@ -2,6 +2,7 @@
 #include "common/core/program.h"
 #include "deploy/muster/commands.h"
 #include "deploy/muster/report.h"
+#include "deploy/muster/scene_command.h"
 
 int main(int argc, char** argv) {
   using namespace muster;
@@ -14,6 +15,7 @@ int main(int argc, char** argv) {
   command::add_run_command(app, action);
   command::add_ctl_command(app, action);
   command::add_report_command(app);
+  command::add_scene_command(app);
   // Commands that end where they are parsed throw from here as well.
   return run_program("muster", [&] {
     try {
