@@ -15,6 +15,7 @@ constexpr int kSearchesWhenIdle = 24;  // nothing else to go to: the robot waits
 constexpr std::uint64_t kGrowthThatMatters =
     40;                           // voxels become known: refused clusters are tried again
 constexpr int kVisitsInVain = 4;  // counted 2 for a scan from the very viewpoint, 1 from near it
+constexpr double kSliver = 0.3;   // of the smallest cluster
 constexpr double kSameClusterM = 1.0, kMovedM = 0.3;
 
 struct Tracked {
@@ -61,8 +62,14 @@ struct Targets::Impl {
   double frontier_m2 = 0, owed_m2 = 0;
   bool done = false;
 
+  double area_m2(const Tracked& t) const {
+    return static_cast<double>(t.cluster.cells.size()) * map.config().resolution_m *
+           map.config().resolution_m;
+  }
+  /// A sliver beside a larger part of its group is left: on its own it would be too small.
   bool is_owed(const Tracked& t) const {
-    return t.cluster.group_m2 >= config.min_cluster_m2 - 1e-9;
+    return t.cluster.group_m2 >= config.min_cluster_m2 - 1e-9 &&
+           area_m2(t) >= kSliver * config.min_cluster_m2;
   }
 
   void take_scans();
@@ -252,12 +259,11 @@ void Targets::Impl::sum_up() {
   refused.clear();
   frontier_m2 = owed_m2 = 0;
   done = cells.any_known();
-  const double cell_m2 = map.config().resolution_m * map.config().resolution_m;
   for (const auto* list : {&frontier, &owed}) {
     for (const Tracked& t : *list) {
-      const double area_m2 = static_cast<double>(t.cluster.cells.size()) * cell_m2;
+      const double area = area_m2(t);
       const auto refuse = [&](std::string reason) {
-        refused.push_back({t.centroid, area_m2, std::move(reason)});
+        refused.push_back({t.centroid, area, std::move(reason)});
       };
       const std::string what = t.surface ? "surface" : "frontier";
       if (!is_owed(t)) {
@@ -268,13 +274,13 @@ void Targets::Impl::sum_up() {
         refuse(what + ": looked at from its viewpoints, nothing became known");
       } else if (!t.views.empty()) {
         viewpoints.insert(viewpoints.end(), t.views.begin(), t.views.end());
-        (t.surface ? owed_m2 : frontier_m2) += area_m2;
+        (t.surface ? owed_m2 : frontier_m2) += area;
         done = false;
       } else if (t.searched && cells.growth() < t.searched_growth + kGrowthThatMatters) {
         refuse(what +
                (t.surface ? ": no reachable pose gives a look" : ": no reachable pose sees it"));
       } else {
-        (t.surface ? owed_m2 : frontier_m2) += area_m2;
+        (t.surface ? owed_m2 : frontier_m2) += area;
         done = false;  // not searched yet
       }
     }

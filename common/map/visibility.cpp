@@ -187,11 +187,14 @@ std::vector<Viewpoint> ViewpointSearch::find(
       }
     }
   }
+  const double cluster_m2 = static_cast<double>(cluster.cells->size()) *
+                            map_.config().resolution_m * map_.config().resolution_m;
+  // A pose for a few voxels of a cluster is not worth the way.
+  const double least_share = std::min(0.5, 0.5 * config_.min_cluster_m2 / cluster_m2);
+  std::erase_if(candidates, [&](const Candidate& c) { return c.score < least_share; });
   if (candidates.empty()) return {};
   const auto better = [](const Candidate& a, const Candidate& b) { return a.score > b.score; };
   std::stable_sort(candidates.begin(), candidates.end(), better);
-  const double cluster_m2 = static_cast<double>(cluster.cells->size()) *
-                            map_.config().resolution_m * map_.config().resolution_m;
   // The cluster comes first, but among poses that see it well the one that looks into most counts.
   std::size_t best = 0;
   double best_value = -1;

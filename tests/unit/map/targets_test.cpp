@@ -95,7 +95,7 @@ double surface_known(const VoxelMap& m) {
 
 TEST_CASE("a greedy explorer gets a box with a house done") {
   const bool noisy = GENERATE(false, true);
-  const std::uint32_t looks = GENERATE(0u, 1u, 2u);
+  const std::uint32_t looks = GENERATE(0u, 2u);
   VoxelMap m(site_config());
   const std::size_t watched = m.watch(kBox);
   Targets targets(m, kBox, target_config(looks));
@@ -112,4 +112,64 @@ TEST_CASE("a greedy explorer gets a box with a house done") {
             << " ms mean of " << e.updates << ", worst " << e.worst_update_ms << "\n";
   CHECK(e.done);
   CHECK(known >= 0.95);
+}
+
+TEST_CASE("a box of which nothing is known is not done, and one that no pose sees is refused") {
+  VoxelMap m(site_config());
+  Targets targets(m, kBox, target_config(0));
+  targets.update([](const Vec3&) { return true; });
+  CHECK_FALSE(targets.done());
+  toy::see(m, kSite, {{5, -5, 1.5}, 2.3});
+  targets.update([](const Vec3&) { return true; });
+  CHECK_FALSE(targets.viewpoints().empty());
+  CHECK_FALSE(targets.done());
+  CHECK(targets.frontier_m2() > 5);
+  VoxelMap same(site_config());
+  Targets unreachable(same, kBox, target_config(0));
+  toy::see(same, kSite, {{5, -5, 1.5}, 2.3});
+  for (int i = 0; i < 3; ++i) unreachable.update([](const Vec3&) { return false; });
+  CHECK(unreachable.viewpoints().empty());
+  CHECK(unreachable.done());
+  CHECK(unreachable.frontier_m2() == 0);
+  REQUIRE_FALSE(unreachable.refused().empty());
+  CHECK(unreachable.refused().front().reason.starts_with("frontier: "));
+}
+
+TEST_CASE("a viewpoint sees its cluster from where the body may be") {
+  VoxelMap m(site_config());
+  m.insert_free_ball({5, -5, 1.5}, 1.5);
+  for (int i = 0; i < 4; ++i) toy::see(m, kSite, {{5, -5, 1.5}, 1.5 * i});
+  Targets targets(m, kBox, target_config(2));
+  for (int i = 0; i < 10; ++i) targets.update([](const Vec3& p) { return p.x() > 3; });
+  REQUIRE(targets.viewpoints().size() > 3);
+  std::uint32_t last = 0;
+  bool frontier = false;
+  for (const Viewpoint& v : targets.viewpoints()) {
+    CHECK(m.traversable(v.pose.p));
+    CHECK(v.pose.p.x() > 3);
+    CHECK(v.gain > 0);
+    if (!v.surface) {
+      frontier = true;
+      CHECK(v.cluster >= last);
+      last = v.cluster;
+    }
+  }
+  CHECK(frontier);
+}
+
+TEST_CASE("the same flight gives the same viewpoints") {
+  const auto fly = [] {
+    VoxelMap m(site_config());
+    Targets targets(m, kBox, target_config(1));
+    Random random(9, RobotId{2}, "explorer");
+    return toy::explore(kSite, m, targets, {{7, -7, 1.5}, 2.3}, toy::Sensor::noisy(), &random, 12)
+        .path;
+  };
+  const auto a = fly(), b = fly();
+  REQUIRE(a.size() == b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    CHECK(a[i].pose.p == b[i].pose.p);
+    CHECK(a[i].pose.yaw_rad == b[i].pose.yaw_rad);
+    CHECK(a[i].gain == b[i].gain);
+  }
 }
