@@ -28,7 +28,8 @@ std::string time_axis(const RunData& run) {
   const double step =
       step_for(run.end_s, 9, {5, 10, 20, 30, 60, 120, 180, 300, 600, 900, 1200, 1800, 3600});
   std::string text = "<div class=\"axis\" aria-hidden=\"true\">";
-  for (double t = 0; t <= run.end_s; t += step) {
+  for (int i = 0; i * step <= run.end_s; ++i) {
+    const double t = i * step;
     text += fmt::format("<span{} style=\"left:{}\">{}</span>",
                         t > 0.98 * run.end_s ? " class=\"last\"" : "", percent(t, run.end_s),
                         html::clock(t));
@@ -254,7 +255,8 @@ std::string features_figure(const RunData& run) {
           fmt::format("<li class=\"quiet\">of {}</li></ul>", number(total));
   text += "<div class=\"plot scrub\">";
   const double step = step_for(total, 5, {1, 2, 5, 10, 20, 25, 50, 100, 200, 500});
-  for (double n = 0; n <= total; n += step) {
+  for (int i = 0; i * step <= total; ++i) {
+    const double n = i * step;
     text += fmt::format("<div class=\"grid\" style=\"bottom:{}\"><span>{}</span></div>",
                         percent(n, total), number(n));
   }
