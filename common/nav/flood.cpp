@@ -30,30 +30,29 @@ void Flood::start(Cell from, double max_length_m) {
 void Flood::push(Cell to, std::uint32_t cost, int step) {
   if (cost > limit_) return;
   const std::uint32_t block = grid_.block(to), local = Grid::local(to);
-  std::uint16_t& best = pool_.at(block).cost[local];
-  // An equally short way from another side is followed too: its onward steps differ.
+  Content& content = pool_.at(block);
+  std::uint16_t& best = content.cost[local];
   if (cost > best) return;
+  const auto number = static_cast<std::uint8_t>(step);
+  if (cost == best) {
+    // Equally short from another side: the onward steps of both, for simplicity of all.
+    if (content.step[local] != number) content.step[local] = kNoStep;
+    return;
+  }
   best = static_cast<std::uint16_t>(cost);
-  buckets_[cost % kBuckets].push_back((std::uint64_t{block} << 12 | local) << 5 |
-                                      static_cast<std::uint64_t>(step));
+  content.step[local] = number;
+  buckets_[cost % kBuckets].push_back(std::uint64_t{block} << 12 | local);
   ++queued_;
 }
 
-void Flood::expand(std::uint64_t entry) {
-  const std::uint64_t id = entry >> 5;
+void Flood::expand(std::uint64_t id) {
   const auto local = static_cast<std::uint32_t>(id & 4095);
-  Content& content = pool_.at(static_cast<std::uint32_t>(id >> 12));
+  const Content& content = pool_.at(static_cast<std::uint32_t>(id >> 12));
   if (content.cost[local] < cost_) return;
   const Cell cell = grid_.cell_of(id);
   const std::uint32_t around = grid_.around(cell);
-  std::uint32_t tries = steps()[entry & 31].onward;
-  if (around != kAllAround) {
-    std::uint64_t& word = content.expanded[local >> 6];
-    const std::uint64_t bit = std::uint64_t{1} << (local & 63);
-    if (word & bit) return;
-    word |= bit;
-    tries = around & ~(1u << kNoStep);
-  }
+  std::uint32_t tries =
+      around == kAllAround ? steps()[content.step[local]].onward : around & ~(1u << kNoStep);
   for (; tries != 0; tries &= tries - 1) {
     const int number = std::countr_zero(tries);
     const Step& step = steps()[static_cast<std::size_t>(number)];

@@ -33,21 +33,17 @@ class Flood {
   static constexpr std::uint32_t kBuckets = 32;  ///< more than the longest step
   struct Content {
     std::array<std::uint16_t, 4096> cost;
-    std::array<std::uint64_t, 64> expanded;  ///< of the voxels with something in their way, which
-                                             ///< are expanded once, in all directions
-    void clear() {
-      cost.fill(kFar);
-      expanded.fill(0);
-    }
+    std::array<std::uint8_t, 4096> step;  ///< that led there; kNoStep: several, equally short
+    void clear() { cost.fill(kFar); }
   };
 
   void push(Cell to, std::uint32_t cost, int step);
-  void expand(std::uint64_t entry);
+  void expand(std::uint64_t id);
   void settle(Cell to);
 
   Grid& grid_;
   BlockPool<Content> pool_;
-  std::array<std::vector<std::uint64_t>, kBuckets> buckets_;  ///< id << 5 | step that led there
+  std::array<std::vector<std::uint64_t>, kBuckets> buckets_;  ///< ids
   std::uint32_t cost_ = 0, limit_ = 0;
   std::size_t queued_ = 0;
   bool running_ = false;
