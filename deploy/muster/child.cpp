@@ -14,6 +14,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <sstream>
 
 #include "common/core/error.h"
 
@@ -120,6 +122,20 @@ std::string Child::how_ended() const {
 }
 
 int Child::exit_code() const { return WIFEXITED(status_) ? WEXITSTATUS(status_) : kExitFailure; }
+
+double Child::cpu_s() const {
+  if (!running()) return cpu_s_;
+  std::ifstream file(fmt::format("/proc/{}/stat", pid_));
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  // The second field is the name in brackets and may hold spaces; utime and stime are the 14th and
+  // 15th.
+  std::istringstream fields(text.substr(std::min(text.size(), text.rfind(')') + 2)));
+  std::string skipped;
+  for (int i = 3; i < 14; ++i) fields >> skipped;
+  double user = 0, system = 0;
+  fields >> user >> system;
+  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
 
 void Child::measure_memory() {
   if (!running()) return;

@@ -45,7 +45,8 @@ class Child {
   /// "killed by signal 9", "ended with status 1"; after `reap`.
   std::string how_ended() const;
   int exit_code() const;  ///< 1 when it was killed
-  double cpu_s() const { return cpu_s_; }
+  /// CPU time since it started; all of it once it has ended.
+  double cpu_s() const;
   /// Largest resident memory so far.
   double peak_rss_mb() const { return peak_rss_mb_; }
   void measure_memory();

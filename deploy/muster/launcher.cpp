@@ -200,6 +200,7 @@ class Launcher {
       matched_s_ = std::chrono::duration<double>(Clock::now() - started_).count();
       started_ = Clock::now();
       progress_.restart_clock();
+      cpu_before_s_ = cpu_s();
     }
     if (message.contains("kill")) kill_robot(RobotId{message["kill"].get<std::uint32_t>()});
     if (message.contains("revive")) revive_robot(RobotId{message["revive"].get<std::uint32_t>()});
@@ -217,9 +218,9 @@ class Launcher {
     if (leaving_) return;
     if (child.robot() == kNoRobot) {
       const std::string words = child.last_words();
-      fail(words.empty()
-               ? fmt::format("the {} {}: the run is over", child.name(), child.how_ended())
-               : words,
+      fail(words.empty() ? fmt::format("the {} was lost ({}): the run is over", child.name(),
+                                       child.how_ended())
+                         : words,
            child.exit_code());
     } else if (!matched_ && child.exit_code() != 0) {
       const std::string words = child.last_words();
@@ -229,8 +230,7 @@ class Launcher {
       const bool scripted = scripted_kills_.erase(child.robot()) > 0;
       const std::string how = scripted ? "scripted" : child.how_ended();
       if (!scripted)
-        progress_.note(
-            fmt::format("robot {} is lost: its process was {}", child.robot().value, how));
+        progress_.note(fmt::format("robot {} is lost: its process {}", child.robot().value, how));
       tell("commsim", {{"dead", child.robot().value}});
       tell("world", {{"dead", child.robot().value}, {"how", how}});
     }
@@ -325,13 +325,18 @@ class Launcher {
                                     [](const auto& c) { return c->running(); });
   }
 
+  double cpu_s() const {
+    double all = cpu_of_this_process_s();
+    for (const auto& child : children_) all += child->cpu_s();
+    return all;
+  }
+
   Cost cost() const {
     Cost cost{.wall_s = wall_s_,
-              .cpu_s = cpu_of_this_process_s(),
+              .cpu_s = cpu_s() - cpu_before_s_,
               .agent_rss_mb = {},
               .station_rss_mb = {}};
     for (const auto& child : children_) {
-      cost.cpu_s += child->cpu_s();
       if (child->robot() == kNoRobot || child->peak_rss_mb() <= 0) continue;
       auto& peak = mission_.robot(child->robot()).role == mission::Role::kStation
                        ? cost.station_rss_mb
@@ -386,7 +391,7 @@ class Launcher {
   int failure_status_ = kExitFailure;
   std::optional<Clock::time_point> deadline_;
   Clock::time_point started_ = Clock::now(), measured_;
-  double wall_s_ = 0, matched_s_ = 0;
+  double wall_s_ = 0, matched_s_ = 0, cpu_before_s_ = 0;
   std::optional<json> summary_;
   json radio_summary_ = json::object(), last_progress_ = json::object();
   ControlSocket socket_;  // last: its thread asks the members above

@@ -24,6 +24,9 @@ int run(RunOptions& options) {
       mission::Mission::load(options.mission_file, options.overrides());
   options.validate(mission);
   if (options.out.empty()) options.out = "runs/" + mission.name;
+  // Children, and whoever starts one by hand, may be in another directory.
+  options.mission_file =
+      std::filesystem::absolute(options.mission_file).lexically_normal().string();
   options.out = std::filesystem::absolute(options.out).lexically_normal().string();
   prepare_output(options.out);
   return options.transport == "memory" ? run_in_memory(mission, options)

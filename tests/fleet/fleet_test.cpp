@@ -1,0 +1,248 @@
+// The command with real processes: what it promises about traces, deaths, ends and bad input.
+// Robots hop (hopper.h).
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kMuster = std::string(MUSTER_HOPPERS) + "/muster";
+const std::string kPagoda = std::string(MUSTER_SOURCE_DIR) + "/deploy/missions/pagoda.yaml";
+
+/// A directory of its own, removed at the end.
+struct Place {
+  fs::path path = fs::temp_directory_path() / fmt::format("muster-fleet-{}", getpid());
+  Place() { fs::create_directories(path); }
+  ~Place() { fs::remove_all(path); }
+  std::string operator/(const char* name) const { return path / name; }
+};
+
+struct Ended {
+  int status = -1;
+  std::string output;
+};
+
+/// Reads all of what a shell command says.
+Ended shell(const std::string& command) {
+  Ended ended;
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  std::array<char, 4096> chunk;
+  while (const std::size_t n = fread(chunk.data(), 1, chunk.size(), pipe))
+    ended.output.append(chunk.data(), n);
+  ended.status = WEXITSTATUS(pclose(pipe));
+  return ended;
+}
+
+Ended muster(const std::string& arguments) {
+  return shell("timeout 120 " + kMuster + " " + arguments);
+}
+
+nlohmann::json summary_of(const std::string& dir) {
+  return nlohmann::json::parse(std::ifstream(dir + "/summary.json"));
+}
+
+std::size_t lines_in(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+/// `muster run` in the background, watched through its events.
+class Running {
+ public:
+  Running(const std::string& dir, const std::string& arguments) : dir_(dir) {
+    pid_ = fork();
+    if (pid_ == 0) {
+      const std::string line = fmt::format("exec {} run {} --speed 20 --out {} {} > {}.out 2>&1",
+                                           kMuster, kPagoda, dir, arguments, dir);
+      execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
+      _exit(127);
+    }
+    for (int i = 0; i < 600 && !flies(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    REQUIRE(flies());
+  }
+
+  void signal(int number) const { kill(pid_, number); }
+  /// SIGKILL to the one child whose command line has this.
+  void kill_child(const std::string& what) const {
+    REQUIRE(shell(fmt::format("pkill -KILL -P {} -f -- '{}'", pid_, what)).status == 0);
+  }
+  int wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    return WEXITSTATUS(status);
+  }
+  std::string output() const {
+    std::ostringstream text;
+    text << std::ifstream(dir_ + ".out").rdbuf();
+    return text.str();
+  }
+  bool left_nothing() const { return shell("pgrep -f -- '[-]-out " + dir_ + "'").status != 0; }
+
+ private:
+  /// The first line of progress is out and so the first second is under way.
+  bool flies() const { return output().find(" s  map") != std::string::npos; }
+
+  std::string dir_;
+  pid_t pid_ = -1;
+};
+
+}  // namespace
+
+TEST_CASE("every transport gives the same trace, also when arrivals are late and out of order") {
+  const Place place;
+  const std::string common = "run " + kPagoda + " --duration 8 --no-report --out ";
+  CHECK(muster(common + place / "memory" + " --transport memory").status == 3);
+  const auto trace = summary_of(place / "memory")["trace_hash"];
+  CHECK(trace.get<std::string>().size() == 16);
+  for (const char* dds : {"cyclonedds", "fastdds", "mixed"}) {
+    INFO(dds);
+    const Ended run = muster(common + place / dds + " --domain 20 --dds " + dds);
+    INFO(run.output);
+    CHECK(run.status == 3);
+    CHECK(summary_of(place / dds)["trace_hash"] == trace);
+  }
+  CHECK(shell("MUSTER_DDS_SHUFFLE=5 timeout 120 " + kMuster + " " + common + place / "shuffled" +
+              " --domain 20")
+            .status == 3);
+  CHECK(summary_of(place / "shuffled")["trace_hash"] == trace);
+}
+
+TEST_CASE("a scripted kill and revival give the same trace over DDS and in memory") {
+  const Place place;
+  // A mission file finds scenes and vehicles beside its folder.
+  fs::create_directories(place / "missions");
+  for (const char* name : {"scenes", "vehicles"}) {
+    fs::create_directory_symlink(std::string(MUSTER_SOURCE_DIR) + "/deploy/" + name, place / name);
+  }
+  const std::string mission = place / "missions/mission.yaml";
+  fs::copy_file(kPagoda, mission);
+  std::ofstream(mission, std::ios::app) << "\nscript:\n  - {at_s: 2, verb: kill, robot: 3}\n"
+                                           "  - {at_s: 4, verb: revive, robot: 3}\n";
+  const std::string common = "run " + mission + " --duration 6 --no-report --out ";
+  const Ended memory = muster(common + place / "memory" + " --transport memory");
+  INFO(memory.output);
+  REQUIRE(memory.status == 3);
+  const Ended dds = muster(common + place / "dds" + " --domain 22");
+  INFO(dds.output);
+  CHECK(dds.status == 3);
+  CHECK(summary_of(place / "dds")["trace_hash"] == summary_of(place / "memory")["trace_hash"]);
+  CHECK(summary_of(place / "dds")["robots_lost"][0]["robot"] == 3);
+}
+
+TEST_CASE(
+    "the mission goes on without an agent that was killed, and the summary says who and when") {
+  const Place place;
+  Running run(place / "run", "--domain 24 --duration 20");
+  run.kill_child("muster-agent .*--id 3");
+  CHECK(run.wait() == 3);
+  const auto summary = summary_of(place / "run");
+  CHECK(summary["ended"] == "duration reached");
+  REQUIRE(summary["robots_lost"].size() == 1);
+  CHECK(summary["robots_lost"][0]["robot"] == 3);
+  CHECK(summary["robots_lost"][0]["how"] == "killed by signal 9");
+  CHECK(summary["robots_lost"][0]["t_s"].get<double>() < 20);
+  CHECK(run.left_nothing());
+}
+
+TEST_CASE(
+    "when the world or the radio is killed, everybody ends within 5 s and the message names it") {
+  for (const char* who : {"world", "commsim"}) {
+    const Place place;
+    Running run(place / "run", "--domain 26 --duration 600");
+    const auto start = std::chrono::steady_clock::now();
+    run.kill_child(fmt::format("muster-{} ", who));
+    CHECK(run.wait() == 1);
+    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(5));
+    CHECK(run.output().find(fmt::format("the {} was lost (killed by signal 9)", who)) !=
+          std::string::npos);
+    CHECK(summary_of(place / "run")["complete"] == false);
+    CHECK(run.left_nothing());
+  }
+}
+
+TEST_CASE("Ctrl-C stops every process and still writes the summary") {
+  const Place place;
+  Running run(place / "run", "--domain 28 --duration 600");
+  run.signal(SIGINT);
+  CHECK(run.wait() == 3);
+  CHECK(summary_of(place / "run")["ended"] == "interrupted");
+  CHECK(fs::exists(place / "run/station.db"));
+  CHECK(fs::exists(place / "run/report.html"));
+  CHECK(run.left_nothing());
+}
+
+TEST_CASE("every child dies with a launcher that was killed") {
+  const Place place;
+  Running run(place / "run", "--domain 30 --duration 600");
+  run.signal(SIGKILL);
+  run.wait();
+  for (int i = 0; i < 50 && !run.left_nothing(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  CHECK(run.left_nothing());
+}
+
+TEST_CASE("muster ctl reaches the world of a running mission, and says when there is none") {
+  const Place place;
+  Running run(place / "run", "--domain 32 --duration 20");
+  CHECK(muster("ctl " + place / "run" + " hold --robot 3").status == 0);
+  CHECK(muster("ctl " + place / "run" + " abort").status == 0);
+  CHECK(muster("ctl " + place / "run" + " abort --robot 99").status == 2);
+  CHECK(run.wait() == 3);
+  std::ostringstream events;
+  events << std::ifstream(place / "run/events.jsonl").rdbuf();
+  CHECK(events.str().find("\"verb\":\"hold\"") != std::string::npos);
+  CHECK(events.str().find("\"verb\":\"abort\"") != std::string::npos);
+  CHECK(muster("ctl " + place / "run" + " abort").status == 1);
+}
+
+TEST_CASE(
+    "bad input is one line and status 2, a failing place one line and status 1, and nothing is "
+    "left behind") {
+  const Place place;
+  const auto [arguments, status] = GENERATE_COPY(table<std::string, int>({
+      {"run nowhere.yaml", 2},
+      {"run " + kPagoda + " --strategy guess", 2},
+      {"run " + kPagoda + " --dds opendds", 2},
+      {"run " + kPagoda + " --set radio.rnge_m=3", 2},
+      {"run " + kPagoda + " --speed 0", 2},
+      {"run " + kPagoda + " --external 77", 2},
+      {"run " + kPagoda + " --domain 99", 2},
+      {"run " + kPagoda + " --link direct --transport memory", 2},
+      {"run " + kPagoda + " --out /proc/muster", 1},
+      {"ctl " + place / "nothing" + " abort", 1},
+      {"ctl " + place / "nothing" + " jump", 2},
+      {"fly", 2},
+  }));
+  INFO(arguments);
+  const Ended run = muster(arguments);
+  INFO(run.output);
+  CHECK(run.status == status);
+  CHECK(lines_in(run.output) == 1);
+}
+
+TEST_CASE("a domain or a directory in use is named") {
+  const Place place;
+  Running run(place / "run", "--domain 34 --duration 600");
+  const Ended domain = muster("run " + kPagoda + " --domain 34 --out " + place / "other");
+  CHECK(domain.status == 1);
+  CHECK(domain.output.find("34 is in use") != std::string::npos);
+  const Ended dir = muster("run " + kPagoda + " --domain 36 --out " + place / "run");
+  CHECK(dir.status == 1);
+  CHECK(dir.output.find("another run is using this directory") != std::string::npos);
+  run.signal(SIGINT);
+  CHECK(run.wait() == 3);
+}
