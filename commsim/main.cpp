@@ -40,10 +40,11 @@ int run(const Options& options) {
   end_with_launcher();
   log::open(options.out + "/logs", "commsim");
   const mission::Mission mission = mission::Mission::load(options.mission_file, options.set);
-  commsim::Relay relay(mission, world::Scene::load(mission));
   dds::RadioLockstep radio(
       dds::BarrierConfig::from(dds::vendor_from(options.vendor), options.domain),
       robots_of(mission), mission.station());
+  // Loaded while everybody finds each other.
+  commsim::Relay relay(mission, world::Scene::load(mission));
   LineChannel control(options.control_fd);
   std::thread listener;
   if (options.control_fd >= 0) listener = std::thread([&] { listen(control, radio); });

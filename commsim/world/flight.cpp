@@ -115,11 +115,13 @@ std::optional<std::string> Flight::end_reason(std::uint64_t k, std::size_t alive
 void Flight::robot_lost(RobotId robot, const std::string& how) {
   lost_.push_back({{"robot", robot.value}, {"t_s", now_.s()}, {"how", how}});
   activity_.erase(robot);
+  gone_.insert(robot);
   if (robot == mission_.station()) station_lost_ = true;
   event({{"t_s", now_.s()}, {"event", "robot_lost"}, {"robot", robot.value}, {"how", how}});
 }
 
 void Flight::robot_back(RobotId robot) {
+  gone_.erase(robot);
   if (robot == mission_.station()) station_lost_ = false;
   event({{"t_s", now_.s()}, {"event", "robot_back"}, {"robot", robot.value}});
 }
@@ -159,8 +161,10 @@ nlohmann::json Flight::progress() const {
   nlohmann::json robots = nlohmann::json::object();
   for (const mission::RobotConfig& robot : mission_.fleet) {
     const auto activity = activity_.find(robot.id);
-    robots[std::to_string(robot.id.value)] =
-        activity == activity_.end() ? "lost" : to_string(activity->second);
+    robots[std::to_string(robot.id.value)] = gone_.contains(robot.id) ? "lost"
+                                             : activity == activity_.end()
+                                                 ? "idle"
+                                                 : to_string(activity->second);
   }
   return {{"t_s", now_.s()},
           {"map_coverage", p.map_coverage},

@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -78,6 +79,7 @@ class Flight {
   std::optional<SimTime> declared_;
   std::optional<SimTime> called_home_;  ///< everyone was asked to return, land or abort
   bool station_lost_ = false;
+  std::set<RobotId> gone_;
   std::map<RobotId, mission::Activity> activity_;
   std::map<RobotId, mission::VehicleState> state_;
   std::vector<nlohmann::json> lost_;

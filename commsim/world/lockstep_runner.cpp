@@ -19,10 +19,10 @@ class LockstepRunner {
       : options_(options),
         control_(options.control_fd),
         mission_(mission::Mission::load(options.mission_file, options.set)),
-        world_(mission_, Scene::load(mission_)),
-        flight_(mission_, world_, {.out = options.out, .duration_s = options.duration_s}),
         barrier_(dds::BarrierConfig::from(dds::vendor_from(options.vendor), options.domain),
-                 robots(), mission_.station()) {
+                 robots(), mission_.station()),
+        world_(mission_, Scene::load(mission_)),
+        flight_(mission_, world_, {.out = options.out, .duration_s = options.duration_s}) {
     control_.on_dead([this](RobotId robot) { barrier_.notify_lost(robot); });
   }
   ~LockstepRunner() {
@@ -157,9 +157,9 @@ class LockstepRunner {
   const RunnerOptions options_;
   RunControl control_;
   const mission::Mission mission_;
+  dds::WorldLockstep barrier_;  // before the world: processes find each other while it loads
   World world_;
   Flight flight_;
-  dds::WorldLockstep barrier_;
 };
 
 }  // namespace
