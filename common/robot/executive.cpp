@@ -139,10 +139,10 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
   }
   if (landing_) return commands;
 
-  const bool retry = now >= plan_again_ && (resting(now) || intent.through_unknown);
+  const bool retry = now >= plan_again_ && (resting(now) || partial_);
   if (plan_due_ || retry) {
     plan_due_ = false;
-    plan_again_ = now + Duration::from_s(intent.through_unknown ? kTransitReplan_s : kRetry_s);
+    plan_again_ = now + Duration::from_s(partial_ ? kTransitReplan_s : kRetry_s);
     plan(k, intent, commands);
   }
   if (blocked_since_ && blocked_by_ != kNoRobot && resting(now)) {
@@ -188,6 +188,7 @@ void Executive::plan(Knowledge& k, const Intent& intent, Commands& commands) {
   }
   const auto found = k.paths().find(k.position(), intent.goal.p,
                                     std::max(0.3, std::min(intent.tolerance_m, 1.5)), parked);
+  partial_ = !found.path && intent.through_unknown;
   if (found.path) {
     std::optional<double> yaw;
     if (intent.use_yaw) yaw = intent.goal.yaw_rad;

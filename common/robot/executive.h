@@ -69,6 +69,7 @@ class Executive {
   nav::Trajectory trajectory_;
   std::uint64_t trajectory_n_ = 0;
   bool plan_due_ = false;
+  bool partial_ = false;  // what is flown ends where the known space does
   SimTime plan_again_;
   std::optional<SimTime> blocked_since_;
   RobotId blocked_by_ = kNoRobot;
