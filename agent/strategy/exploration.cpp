@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/core/log.h"
 #include "common/robot/stopwatch.h"
 #include "common/route/explore_order.h"
 
@@ -118,7 +119,11 @@ bool Exploration::choose(robot::Knowledge& k, double budget_s, const Vec3& meeti
                                                   : 1.5 * seconds(k.position(), v.pose.p);
     const double turn_s =
         std::abs(wrap_angle(v.pose.yaw_rad - k.odometry().pose.yaw_rad)) / limits.yaw_rate_radps;
-    candidates.push_back({&v, std::max(travel_s, turn_s)});
+    static const char* sp = getenv("SURF");
+    const double owed_s = v.surface && sp ? atof(sp) : 0;
+    static const char* gw = getenv("GAINW");
+    const double gain_s = gw ? atof(gw) * std::min(v.gain, 6.0) : 0;
+    candidates.push_back({&v, std::max(0.05, std::max(travel_s, turn_s) + owed_s - gain_s)});
   }
   if (candidates.empty()) return false;
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -141,9 +146,13 @@ bool Exploration::choose(robot::Knowledge& k, double budget_s, const Vec3& meeti
     problem.travel_s[0][i + 1] = problem.travel_s[i + 1][0] = candidates[i].travel_s;
     problem.gain.push_back(candidates[i].v->gain);
   }
-  const route::Order order = route::ff3e(problem, kNearest);
+  static const char* mode = getenv("ORDER");
+  const route::Order order = mode && mode[0] == 's' ? route::shortest_order(problem) : route::ff3e(problem, kNearest);
   if (order.visit.empty()) return false;
   goal_ = *candidates[order.visit.front()].v;
+  log::info("choose {} gain {:.2f} travel {:.1f} of {} (nearest {:.1f}) known {:.0f} frontier {:.0f} owed {:.0f} d {:.2f}", goal_->surface ? "S" : "F", goal_->gain,
+            candidates[order.visit.front()].travel_s, targets_.viewpoints().size(), candidates[0].travel_s, known_m3(k), targets_.frontier_m2(),
+            targets_.owed_surface_m2(), (goal_->pose.p - k.position()).norm());
   arrived_.reset();
   return true;
 }
