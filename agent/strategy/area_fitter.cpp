@@ -10,6 +10,7 @@ namespace {
 constexpr double kSameArea_m = 0.5;   // RULES "Sighting and inspecting"
 constexpr double kBoxMargin_m = 0.4;  // four sigma of a sighting
 constexpr double kMoved_m = 0.12;
+constexpr double kMapWeight = 0.7;
 
 bool concerns(const mission::Mission& mission, RegionId region, const Vec3& p) {
   if (region.value < mission.boxes.size() && mission.boxes[region.value].contains(p, kBoxMargin_m))
@@ -54,11 +55,20 @@ void AreaFitter::take(robot::Knowledge& k, const mission::Sightings& sightings, 
     const bool nearer = best->count == 1 || (sightings.sensor.p - s.position).norm() <
                                                 (best->area.sighted_from.p - best->mean()).norm();
     if (nearer) best->area.sighted_from = sightings.sensor;
-    best->area.normal = map::surface_normal(k.map(), best->mean(), sightings.sensor.p);
+    best->towards += (sightings.sensor.p - s.position).normalized();
+    best->area.normal = outward_normal(k, *best);
     if (best->count == 1 ||
         ((best->mean() - best->published).norm() > kMoved_m && !k.inspected(best->ref)))
       publish(k, *best);
   }
+}
+
+/// A surface is seen from its front: the mean direction to the sighters lies within its hemisphere, and is right where the map's voxels are too
+/// coarse (columns, rails, edges); the map's own estimate is added where the two agree.
+Vec3 AreaFitter::outward_normal(const robot::Knowledge& k, const Fit& fit) {
+  const Vec3 seen = fit.towards.normalized();
+  const Vec3 mapped = map::surface_normal(k.map(), fit.mean(), fit.mean() + seen);
+  return (seen + (mapped.dot(seen) > 0.3 ? kMapWeight : 0.0) * mapped).normalized();
 }
 
 void AreaFitter::publish(robot::Knowledge& k, Fit& fit) {

@@ -21,11 +21,13 @@ class AreaFitter {
   struct Fit {
     mission::AreaRef ref;
     Vec3 sum = Vec3::Zero();
+    Vec3 towards = Vec3::Zero();  ///< sum of unit directions to where it was sighted from
     std::uint32_t count = 0;
     mission::Area area;
     Vec3 published = Vec3::Zero();
     Vec3 mean() const { return sum / count; }
   };
+  static Vec3 outward_normal(const robot::Knowledge& knowledge, const Fit& fit);
   void publish(robot::Knowledge& knowledge, Fit& fit);
 
   std::vector<Fit> fits_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/core/log.h"
 #include "common/robot/guardian.h"
 #include "common/robot/knowledge.h"
 #include "common/robot/stopwatch.h"
@@ -63,7 +64,10 @@ Slei3dInspector::Orders Slei3dInspector::orders(const robot::Knowledge& k) const
 }
 
 robot::Intent Slei3dInspector::decide(robot::Knowledge& k, const robot::Progress& progress) {
-  if (current_ && progress.inspected) report(k, *progress.inspected);
+  if (current_ && progress.inspected) {
+    log::info("inspected {}.{}: outcome {}", current_->author.value, current_->key, static_cast<int>(progress.inspected->outcome));
+    report(k, *progress.inspected);
+  }
   const Orders o = orders(k);
   if (k.declared_complete()) return robot::go_home(k, "the mission is complete");
   if (!o.areas.empty()) {
@@ -126,41 +130,41 @@ bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& r
   const robot::Stopwatch watch(planning_, mission::PlanningStep::kPath);
   k.paths().flood(k.position());
   int& attempt = attempts_[ref];
-  for (; attempt < kMaxAttempts; ++attempt) {
-    poses_ = view_poses(k, k.areas().at(ref).area, attempt);
-    if (!poses_.empty()) {
-      current_ = ref;
-      return true;
-    }
-    if (attempt >= 3)
-      break;  // the patterns are exhausted: wait for the map to grow before the next one
-  }
-  not_before_[ref] = k.now() + Duration::from_s(kRetryArea_s);
-  if (++attempt > kMaxAttempts) {
+  poses_ = view_poses(k, k.areas().at(ref).area, attempt, refused_from_[ref]);
+  if (!poses_.empty()) {
     current_ = ref;
-    mission::Inspected nothing;
-    nothing.outcome = mission::InspectOutcome::kRefusedView;
-    report(k, nothing);
+    return true;
   }
+  ++attempt;
+  postpone(k, ref);
   return false;
 }
 
 void Slei3dInspector::give_up_pose(robot::Knowledge& k) {
+  const mission::AreaRef ref = *current_;
+  refused_from_[ref].push_back((poses_.front().p - k.areas().at(ref).area.position).normalized());
   poses_.erase(poses_.begin());
   if (!poses_.empty()) return;
-  ++attempts_[*current_];
-  if (attempts_[*current_] > kMaxAttempts) {
-    mission::Inspected nothing;
-    nothing.outcome = mission::InspectOutcome::kRefusedView;
-    report(k, nothing);
-  }
+  ++attempts_[ref];
+  postpone(k, ref);
   current_.reset();
 }
 
+/// The others first: meanwhile the map grows. After the last attempt the area is reported as not to be seen.
+void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref) {
+  not_before_[ref] = k.now() + Duration::from_s(kRetryArea_s);
+  if (attempts_[ref] < kMaxAttempts) return;
+  mission::Inspection result;
+  result.area = ref;
+  result.area_position = k.areas().at(ref).area.position;
+  result.pose = k.odometry().pose;
+  result.done = k.now();
+  k.publish(store::RecordClass::kInspection, robot::result_key(ref), result);
+}
+
 void Slei3dInspector::report(robot::Knowledge& k, const mission::Inspected& answer) {
-  const bool exhausted = attempts_[*current_] > kMaxAttempts;
-  if (answer.outcome == mission::InspectOutcome::kCancelled) return;
-  if (answer.outcome == mission::InspectOutcome::kRefusedView && !exhausted) return;
+  using mission::InspectOutcome;
+  if (answer.outcome != InspectOutcome::kFound && answer.outcome != InspectOutcome::kEmpty) return;
   mission::Inspection result;
   result.area = *current_;
   result.area_position = k.areas().at(*current_).area.position;

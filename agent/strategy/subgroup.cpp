@@ -10,7 +10,7 @@ namespace muster::agent {
 namespace {
 
 constexpr double kIdleSlack_s = 3;
-constexpr std::size_t kWorthAVisit = 2;  // areas to hand over before exploring is interrupted
+constexpr std::size_t kWorthAVisit = 4;  // areas to hand over before exploring is interrupted
 constexpr double kIdleLong_s = 25;
 constexpr double kDetour = 1.3;
 
@@ -141,7 +141,9 @@ void Subgroup::publish(robot::Knowledge& k, RegionId region) {
 
 bool Subgroup::settled(const robot::Knowledge& k, RobotId id) const {
   return k.knows(id, store::RecordClass::kPlan, robot::plan_key(mission::PlanKind::kAllocation)) &&
-         k.exchanged(id);
+         k.talked(id) && std::none_of(k.results().begin(), k.results().end(), [&](const auto& r) {
+           return r.second.by == id && !r.second.complete();
+         });
 }
 
 bool Subgroup::all_informed(const robot::Knowledge& k) const {

@@ -6,67 +6,62 @@
 namespace muster::agent {
 namespace {
 
-/// Margins within the rule: generous at first, because area and normal are estimates; thin at last,
-/// because some features can only just be seen.
-constexpr double kMargin_rad[] = {0.25, 0.15, 0.08, 0.03};
-constexpr double kGap_m = 0.3;  // the line of sight is asked for up to this far before the surface,
-                                // whose voxels are occupied
+/// Margins within the rule: generous at first, because area and normal are estimates; thin at last, because some features can only
+/// just be seen.
+constexpr double kMargin_rad[] = {0.25, 0.12, 0.03, 0.03};
+constexpr double kGap_m = 0.3;  // the line of sight is asked for up to this far before the surface, whose voxels are occupied
+constexpr double kAnotherDirection_rad = 0.6;
+constexpr double kRefusedCost_m = 8;    // of a direction close to a refused one
+constexpr double kIncidenceCost_m = 4;  // per radian
+constexpr std::size_t kPoses = 3;
 
-Vec3 outward(const mission::Area& area, int attempt) {
-  const Vec3 to_sighter = (area.sighted_from.p - area.position).normalized();
-  Vec3 n = area.normal.norm() > 0.5 ? area.normal : to_sighter;
-  if (n.dot(to_sighter) < 0) n = -n;
-  if (attempt % 2 == 1) n = to_sighter;  // where it was seen from, it can be seen from
-  return n;
-}
+double angle(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(a.dot(b), -1.0, 1.0)); }
 
 }  // namespace
 
-std::vector<Pose> view_poses(robot::Knowledge& k, const mission::Area& area, int attempt) {
+std::vector<Pose> view_poses(robot::Knowledge& k, const mission::Area& area, int attempt,
+                             const std::vector<Vec3>& refused_from) {
   const mission::Vehicle& vehicle = k.config().vehicle;
   const double margin = kMargin_rad[std::clamp(attempt, 0, 3)];
   const double max_elevation = vehicle.camera.vfov_rad / 2 - margin / 2;
-  const double max_incidence = k.mission().inspect.max_incidence_rad - margin;
+  // With every refusal the estimate of the normal is trusted less.
+  const double max_incidence = k.mission().inspect.max_incidence_rad - margin + 0.35 * attempt;
   const double max_range_m = std::min(k.mission().inspect.range_m, vehicle.camera.range_m) - 0.6;
-  const Vec3 n = outward(area, attempt);
-  const double az0 = std::atan2(n.y(), n.x());
+  const Vec3 n = area.normal.norm() > 0.5 ? area.normal : (area.sighted_from.p - area.position).normalized();
   const Vec3 edge = area.position + kGap_m * n;
 
-  std::vector<std::pair<double, Pose>> found;
-  const auto consider = [&](const Vec3& p) {
-    const Vec3 d = area.position - p;
-    const double range = d.norm(), flat = d.head<2>().norm();
-    if (range > max_range_m || flat < 0.3) return;
-    if (std::abs(std::atan2(d.z(), flat) - vehicle.pitch_rad) > max_elevation) return;
-    const double incidence = std::acos(std::clamp(-d.dot(n) / range, -1.0, 1.0));
-    if (incidence > max_incidence || !k.map().traversable(p) || !k.paths().reached(p)) return;
-    if (!k.map().line_of_sight(p, edge, false)) return;
-    found.push_back({k.paths().flood_distance(p) + 1.5 * incidence, {p, std::atan2(d.y(), d.x())}});
+  struct Candidate {
+    double cost;
+    Pose pose;
+    Vec3 from;  // unit, area → pose
   };
+  std::vector<Candidate> found;
   for (const double range : {1.4, 2.0, 2.8, 3.6}) {
-    for (int i = 0; i < 16; ++i) {
-      const double az = az0 + (i % 2 == 0 ? 1 : -1) * ((i + 1) / 2) * 0.2 + 0.07 * attempt;
-      for (const double el : {0.0, 0.25, -0.25, 0.45, -0.45}) {
-        consider(area.position + range * Vec3(std::cos(el) * std::cos(az),
-                                              std::cos(el) * std::sin(az), std::sin(el)));
+    if (range > max_range_m) continue;
+    for (int i = 0; i < 24; ++i) {
+      const double az = (i + 0.5 * (attempt % 2)) * std::numbers::pi / 12;
+      for (const double el : {0.0, 0.22, -0.22, 0.42, -0.42}) {
+        if (std::abs(el + vehicle.pitch_rad) > max_elevation) continue;
+        const Vec3 from(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
+        const double incidence = angle(from, n);
+        if (incidence > max_incidence) continue;
+        const Vec3 p = area.position + range * from;
+        if (!k.map().traversable(p) || !k.map().line_of_sight(p, edge, false) || !k.paths().reached(p)) continue;
+        double cost = k.paths().flood_distance(p) + kIncidenceCost_m * incidence;
+        for (const Vec3& refused : refused_from) cost += angle(from, refused) < kAnotherDirection_rad ? kRefusedCost_m : 0;
+        found.push_back({cost, {p, std::atan2(-from.y(), -from.x())}, from});
       }
     }
   }
-  const Vec3 d = area.position - area.sighted_from.p;
-  if (found.empty() && k.map().traversable(area.sighted_from.p) &&
-      k.paths().reached(area.sighted_from.p)) {
-    found.push_back({k.paths().flood_distance(area.sighted_from.p),
-                     {area.sighted_from.p, std::atan2(d.y(), d.x())}});
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  std::vector<Candidate> chosen;
+  for (const Candidate& c : found) {
+    const bool differs = std::all_of(chosen.begin(), chosen.end(), [&](const Candidate& o) { return angle(o.from, c.from) > kAnotherDirection_rad; });
+    if (differs) chosen.push_back(c);
+    if (chosen.size() == kPoses) break;
   }
-  std::sort(found.begin(), found.end(),
-            [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Pose> poses;
-  for (const auto& [cost, pose] : found) {
-    const bool apart = std::all_of(poses.begin(), poses.end(),
-                                   [&](const Pose& q) { return (q.p - pose.p).norm() > 0.6; });
-    if (apart) poses.push_back(pose);
-    if (poses.size() == 4) break;
-  }
+  for (const Candidate& c : chosen) poses.push_back(c.pose);
   return poses;
 }
 

@@ -11,6 +11,7 @@ constexpr double kObstacleLife_s =
 constexpr double kObstacleRadius_m = 0.3;
 constexpr double kRecheck_s = 0.2;
 constexpr double kRetry_s = 0.5;
+constexpr double kNoWay_s = 2.0;           // a search that failed costs most, and the map seldom changes the answer at once
 constexpr double kTransitReplan_s = 0.7;  // a little more than one scan period
 constexpr double kStepAsideAfter_s = 3.0;
 constexpr double kMoverMemory_s = 2.0;
@@ -142,7 +143,7 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
   const bool retry = now >= plan_again_ && (resting(now) || partial_);
   if (plan_due_ || retry) {
     plan_due_ = false;
-    plan_again_ = now + Duration::from_s(partial_ ? kTransitReplan_s : kRetry_s);
+    plan_again_ = now + Duration::from_s(kRetry_s);
     plan(k, intent, commands);
   }
   if (blocked_since_ && blocked_by_ != kNoRobot && resting(now)) {
@@ -179,32 +180,32 @@ bool Executive::stay_safe(Knowledge& k, Commands& commands) {
   return false;
 }
 
-void Executive::plan(Knowledge& k, const Intent& intent, Commands& commands) {
-  std::vector<map::Sphere> parked = obstacle_spheres_;
-  for (map::Sphere& s : parked) s.radius_m += radius_m_ + 0.1;
+std::vector<map::Sphere> Executive::parked(SimTime now) const {
+  std::vector<map::Sphere> spheres = obstacle_spheres_;
+  for (map::Sphere& s : spheres) s.radius_m += radius_m_ + 0.1;
   for (const nav::Mover& m : movers_) {
-    if (m.announced.back().t <= k.now() + Duration::from_s(1))
-      parked.push_back({m.announced.back().p, m.radius_m + radius_m_ + 0.2});
+    if (m.announced.back().t > now + Duration::from_s(1)) continue;
+    spheres.push_back({m.announced.back().p, m.radius_m + radius_m_ + 0.2});
   }
-  const auto found = k.paths().find(k.position(), intent.goal.p,
-                                    std::max(0.3, std::min(intent.tolerance_m, 1.5)), parked);
-  partial_ = !found.path && intent.through_unknown;
-  if (found.path) {
-    std::optional<double> yaw;
-    if (intent.use_yaw) yaw = intent.goal.yaw_rad;
-    fly(k, *found.path, yaw, commands);
-    return;
-  }
+  return spheres;
+}
+
+void Executive::plan(Knowledge& k, const Intent& intent, Commands& commands) {
   if (intent.through_unknown) {
     plan_transit(k, intent, commands);
     return;
   }
+  const double tolerance_m = std::clamp(intent.tolerance_m, 0.3, 1.5);
+  const std::vector<map::Sphere> around = parked(k.now());
+  const auto found = k.paths().find(k.position(), intent.goal.p, tolerance_m, around);
+  if (found.path) {
+    fly(k, *found.path, intent, commands);
+    return;
+  }
+  plan_again_ = k.now() + Duration::from_s(kNoWay_s);
   // Parked teammates may be all that is in the way.
   RobotId by = kNoRobot;
-  if (!parked.empty() &&
-      k.paths()
-          .find(k.position(), intent.goal.p, std::max(0.3, std::min(intent.tolerance_m, 1.5)))
-          .path) {
+  if (!around.empty() && k.paths().find(k.position(), intent.goal.p, tolerance_m).path) {
     double nearest = 1e9;
     for (const nav::Mover& m : movers_) {
       const double d = (m.announced.back().p - k.position()).norm();
@@ -219,24 +220,31 @@ void Executive::plan_transit(Knowledge& k, const Intent& intent, Commands& comma
   std::erase_if(avoid_, [&](const auto& a) { return a.second < now; });
   std::vector<map::Sphere> avoid;
   for (const auto& [sphere, until] : avoid_) avoid.push_back(sphere);
-  std::vector<map::Sphere> parked = obstacle_spheres_;
-  for (map::Sphere& s : parked) s.radius_m += radius_m_ + 0.1;
-  for (const nav::Mover& m : movers_) {
-    if (m.announced.back().t <= now + Duration::from_s(1))
-      parked.push_back({m.announced.back().p, m.radius_m + radius_m_ + 0.2});
-  }
   const auto way = k.paths().find_through_unknown(
-      k.position(), intent.goal.p, std::max(0.3, std::min(intent.tolerance_m, 1.5)), avoid, parked);
+      k.position(), intent.goal.p, std::clamp(intent.tolerance_m, 0.3, 1.5), avoid, parked(now));
+  partial_ = false;
   if (!way.path) {
     if (avoid_.empty()) blocked(now, way.reason);
     avoid_.clear();
+    plan_again_ = now + Duration::from_s(kNoWay_s);
     return;
   }
-  if (way.known.points.size() >= 2 && way.known.length_m() > 0.3) {
-    if ((k.position() - transit_from_).norm() > 0.5)
-      transit_stuck_ = 0, transit_from_ = k.position();
-    fly(k, way.known, std::nullopt, commands);
+  if (way.known.points.empty()) return;
+  if ((way.known.points.back() - way.path->points.back()).norm() < 0.05) {
+    fly(k, way.known, intent, commands);
+    return;
+  }
+  partial_ = true;
+  plan_again_ = now + Duration::from_s(kTransitReplan_s);
+  if (way.known.length_m() > 0.3) {
+    if ((k.position() - transit_from_).norm() > 0.5) {
+      transit_stuck_ = 0;
+      transit_from_ = k.position();
+    }
     if (resting(now)) ++transit_stuck_;
+    Intent part = intent;
+    part.use_yaw = false;
+    fly(k, way.known, part, commands);
     return;
   }
   // At the edge of what is known: look at what comes next; when looking does not help, go round.
@@ -257,8 +265,9 @@ void Executive::plan_transit(Knowledge& k, const Intent& intent, Commands& comma
   if (d.head<2>().norm() > 0.1) turn(k, std::atan2(d.y(), d.x()), commands);
 }
 
-bool Executive::fly(Knowledge& k, const nav::Path& path, std::optional<double> yaw,
-                    Commands& commands) {
+bool Executive::fly(Knowledge& k, const nav::Path& path, const Intent& intent, Commands& commands) {
+  std::optional<double> yaw;
+  if (intent.use_yaw) yaw = intent.goal.yaw_rad;
   for (const double scale : {1.0, 0.5}) {
     nav::Trajectory t = nav::time_path(path, {state(k), yaw, scale}, limits_);
     const auto unsafe = nav::check(t, k.now(), k.map(), radius_m_, movers_, obstacle_spheres_);

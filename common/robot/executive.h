@@ -51,8 +51,8 @@ class Executive {
   void plan(Knowledge& knowledge, const Intent& intent, Commands& commands);
   void plan_transit(Knowledge& knowledge, const Intent& intent, Commands& commands);
   void step_aside(Knowledge& knowledge, Commands& commands);
-  bool fly(Knowledge& knowledge, const nav::Path& path, std::optional<double> yaw_rad,
-           Commands& commands);
+  bool fly(Knowledge& knowledge, const nav::Path& path, const Intent& intent, Commands& commands);
+  std::vector<map::Sphere> parked(SimTime now) const;
   void turn(Knowledge& knowledge, double yaw_rad, Commands& commands);
   void brake(Knowledge& knowledge, Commands& commands);
   void command(Knowledge& knowledge, nav::Trajectory trajectory, Commands& commands);

@@ -4,7 +4,7 @@ namespace muster::robot {
 namespace {
 
 constexpr double kBlockPeriod_s = 5.0;
-constexpr double kLookPeriod_s = 1.0;
+constexpr double kLookPeriod_s = 3.0;
 constexpr int kBlocksPerTick = 48;
 
 }  // namespace
