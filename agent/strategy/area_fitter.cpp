@@ -63,8 +63,9 @@ void AreaFitter::take(robot::Knowledge& k, const mission::Sightings& sightings, 
   }
 }
 
-/// A surface is seen from its front: the mean direction to the sighters lies within its hemisphere, and is right where the map's voxels are too
-/// coarse (columns, rails, edges); the map's own estimate is added where the two agree.
+/// A surface is seen from its front: the mean direction to the sighters lies within its hemisphere,
+/// and is right where the map's voxels are too coarse (columns, rails, edges); the map's own
+/// estimate is added where the two agree.
 Vec3 AreaFitter::outward_normal(const robot::Knowledge& k, const Fit& fit) {
   const Vec3 seen = fit.towards.normalized();
   const Vec3 mapped = map::surface_normal(k.map(), fit.mean(), fit.mean() + seen);

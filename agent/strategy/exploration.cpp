@@ -17,7 +17,7 @@ constexpr double kDetour = 1.25;  // path over straight line, where only the str
 constexpr double kBlocked_s = 3;
 constexpr double kBarred_s = 25;
 constexpr double kDecide_s = 1.0;
-constexpr double kSurfaceStay_s = 7;   // a look comes every 2 s: at most three from one place
+constexpr double kSurfaceStay_s = 7;  // a look comes every 2 s: at most three from one place
 constexpr double kSurfaceWaits_s = 8, kGainWorth_sPerM2 = 0.2, kGainCap_m2 = 6;
 constexpr std::uint32_t kNearest = 7;  // FIELD-NOTES: FF3E exact for at most 7 nearest clusters
 
@@ -120,7 +120,8 @@ bool Exploration::choose(robot::Knowledge& k, double budget_s, const Vec3& meeti
                                                   : 1.5 * seconds(k.position(), v.pose.p);
     const double turn_s =
         std::abs(wrap_angle(v.pose.yaw_rad - k.odometry().pose.yaw_rad)) / limits.yaw_rate_radps;
-    // Places are ranked by the time they cost: gain is worth a detour, a surface waits while frontiers are near.
+    // Places are ranked by the time they cost: gain is worth a detour, a surface waits while
+    // frontiers are near.
     const double wait_s = v.surface ? kSurfaceWaits_s : 0;
     const double worth_s = kGainWorth_sPerM2 * std::min(v.gain, kGainCap_m2);
     candidates.push_back({&v, std::max(0.05, std::max(travel_s, turn_s) + wait_s - worth_s)});
@@ -146,15 +147,19 @@ bool Exploration::choose(robot::Knowledge& k, double budget_s, const Vec3& meeti
     problem.travel_s[0][i + 1] = problem.travel_s[i + 1][0] = candidates[i].travel_s;
     problem.gain.push_back(candidates[i].v->gain);
   }
-  // Alg. 1 takes the longest way that still makes the meeting. That is only sensible when not everything can be visited before it;
-  // otherwise the shortest way through all of it leaves more time for what will be seen next.
+  // Alg. 1 takes the longest way that still makes the meeting. That is only sensible when not
+  // everything can be visited before it; otherwise the shortest way through all of it leaves more
+  // time for what will be seen next.
   const route::Order all = route::shortest_order(problem);
   const route::Order order = all.length_s <= budget_s ? all : route::ff3e(problem, kNearest);
   if (order.visit.empty()) return false;
   goal_ = *candidates[order.visit.front()].v;
-  log::info("choose {} gain {:.2f} travel {:.1f} of {} (nearest {:.1f}) known {:.0f} frontier {:.0f} owed {:.0f} d {:.2f}", goal_->surface ? "S" : "F", goal_->gain,
-            candidates[order.visit.front()].travel_s, targets_.viewpoints().size(), candidates[0].travel_s, known_m3(k), targets_.frontier_m2(),
-            targets_.owed_surface_m2(), (goal_->pose.p - k.position()).norm());
+  log::debug(
+      "choose {} gain {:.2f} travel {:.1f} of {} (nearest {:.1f}) known {:.0f} frontier {:.0f} "
+      "owed {:.0f} d {:.2f}",
+      goal_->surface ? "S" : "F", goal_->gain, candidates[order.visit.front()].travel_s,
+      targets_.viewpoints().size(), candidates[0].travel_s, known_m3(k), targets_.frontier_m2(),
+      targets_.owed_surface_m2(), (goal_->pose.p - k.position()).norm());
   arrived_.reset();
   return true;
 }

@@ -65,7 +65,8 @@ Slei3dInspector::Orders Slei3dInspector::orders(const robot::Knowledge& k) const
 
 robot::Intent Slei3dInspector::decide(robot::Knowledge& k, const robot::Progress& progress) {
   if (current_ && progress.inspected) {
-    log::info("inspected {}.{}: outcome {}", current_->author.value, current_->key, static_cast<int>(progress.inspected->outcome));
+    log::debug("inspected {}.{}: outcome {}", current_->author.value, current_->key,
+               static_cast<int>(progress.inspected->outcome));
     report(k, *progress.inspected);
   }
   const Orders o = orders(k);
@@ -150,7 +151,8 @@ void Slei3dInspector::give_up_pose(robot::Knowledge& k) {
   current_.reset();
 }
 
-/// The others first: meanwhile the map grows. After the last attempt the area is reported as not to be seen.
+/// The others first: meanwhile the map grows. After the last attempt the area is reported as not to
+/// be seen.
 void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref) {
   not_before_[ref] = k.now() + Duration::from_s(kRetryArea_s);
   if (attempts_[ref] < kMaxAttempts) return;

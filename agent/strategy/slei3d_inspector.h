@@ -43,7 +43,7 @@ class Slei3dInspector : public robot::Strategy {
 
   std::vector<mission::PlanningTime> planning_;
   std::optional<mission::AreaRef> current_;
-  std::vector<Pose> poses_;  // left to try for the current area
+  std::vector<Pose> poses_;                   // left to try for the current area
   std::map<mission::AreaRef, int> attempts_;  // sets of poses tried
   std::map<mission::AreaRef, std::vector<Vec3>> refused_from_;
   std::map<mission::AreaRef, SimTime> not_before_;

@@ -6,10 +6,11 @@
 namespace muster::agent {
 namespace {
 
-/// Margins within the rule: generous at first, because area and normal are estimates; thin at last, because some features can only
-/// just be seen.
+/// Margins within the rule: generous at first, because area and normal are estimates; thin at last,
+/// because some features can only just be seen.
 constexpr double kMargin_rad[] = {0.25, 0.12, 0.03, 0.03};
-constexpr double kGap_m = 0.3;  // the line of sight is asked for up to this far before the surface, whose voxels are occupied
+constexpr double kGap_m = 0.3;  // the line of sight is asked for up to this far before the surface,
+                                // whose voxels are occupied
 constexpr double kAnotherDirection_rad = 0.6;
 constexpr double kRefusedCost_m = 8;    // of a direction close to a refused one
 constexpr double kIncidenceCost_m = 4;  // per radian
@@ -27,7 +28,8 @@ std::vector<Pose> view_poses(robot::Knowledge& k, const mission::Area& area, int
   // With every refusal the estimate of the normal is trusted less.
   const double max_incidence = k.mission().inspect.max_incidence_rad - margin + 0.35 * attempt;
   const double max_range_m = std::min(k.mission().inspect.range_m, vehicle.camera.range_m) - 0.6;
-  const Vec3 n = area.normal.norm() > 0.5 ? area.normal : (area.sighted_from.p - area.position).normalized();
+  const Vec3 n =
+      area.normal.norm() > 0.5 ? area.normal : (area.sighted_from.p - area.position).normalized();
   const Vec3 edge = area.position + kGap_m * n;
 
   struct Candidate {
@@ -46,17 +48,23 @@ std::vector<Pose> view_poses(robot::Knowledge& k, const mission::Area& area, int
         const double incidence = angle(from, n);
         if (incidence > max_incidence) continue;
         const Vec3 p = area.position + range * from;
-        if (!k.map().traversable(p) || !k.map().line_of_sight(p, edge, false) || !k.paths().reached(p)) continue;
+        if (!k.map().traversable(p) || !k.map().line_of_sight(p, edge, false) ||
+            !k.paths().reached(p))
+          continue;
         double cost = k.paths().flood_distance(p) + kIncidenceCost_m * incidence;
-        for (const Vec3& refused : refused_from) cost += angle(from, refused) < kAnotherDirection_rad ? kRefusedCost_m : 0;
+        for (const Vec3& refused : refused_from)
+          cost += angle(from, refused) < kAnotherDirection_rad ? kRefusedCost_m : 0;
         found.push_back({cost, {p, std::atan2(-from.y(), -from.x())}, from});
       }
     }
   }
-  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.cost < b.cost; });
   std::vector<Candidate> chosen;
   for (const Candidate& c : found) {
-    const bool differs = std::all_of(chosen.begin(), chosen.end(), [&](const Candidate& o) { return angle(o.from, c.from) > kAnotherDirection_rad; });
+    const bool differs = std::all_of(chosen.begin(), chosen.end(), [&](const Candidate& o) {
+      return angle(o.from, c.from) > kAnotherDirection_rad;
+    });
     if (differs) chosen.push_back(c);
     if (chosen.size() == kPoses) break;
   }

@@ -11,7 +11,8 @@ constexpr double kObstacleLife_s =
 constexpr double kObstacleRadius_m = 0.3;
 constexpr double kRecheck_s = 0.2;
 constexpr double kRetry_s = 0.5;
-constexpr double kNoWay_s = 2.0;           // a search that failed costs most, and the map seldom changes the answer at once
+constexpr double kNoWay_s =
+    2.0;  // a search that failed costs most, and the map seldom changes the answer at once
 constexpr double kTransitReplan_s = 0.7;  // a little more than one scan period
 constexpr double kStepAsideAfter_s = 3.0;
 constexpr double kMoverMemory_s = 2.0;

@@ -52,7 +52,8 @@ TEST_CASE("a meeting is agreed on when the acknowledgement is heard in the same 
   CHECK_FALSE(p.at_station.update(p.station));  // nothing new
 }
 
-TEST_CASE("an acknowledgement that comes after the contact is void, and both meet at the standing rung") {
+TEST_CASE(
+    "an acknowledgement that comes after the contact is void, and both meet at the standing rung") {
   Pair p;
   p.time(0, true);
   p.at_explorer.propose(p.explorer, p.ladder(60), RegionId{0});
@@ -61,7 +62,8 @@ TEST_CASE("an acknowledgement that comes after the contact is void, and both mee
   p.time(5, false);  // contact broken before the acknowledgement arrived
   CHECK_FALSE(p.at_explorer.update(p.explorer));
   CHECK_FALSE(p.at_explorer.pending());
-  robot::pass(p.station, p.explorer, store::RecordClass::kMeeting);  // a third robot brings it later
+  robot::pass(p.station, p.explorer,
+              store::RecordClass::kMeeting);  // a third robot brings it later
   CHECK_FALSE(p.at_explorer.update(p.explorer));
   CHECK(p.at_explorer.number() == 0);
   p.time(200, false);

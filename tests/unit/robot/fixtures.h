@@ -16,7 +16,8 @@ inline mission::Mission small_mission() {
   m.standing.t0 = Duration::from_s(300);
   m.standing.period = Duration::from_s(120);
   m.standing.window = Duration::from_s(30);
-  const mission::Role roles[] = {mission::Role::kStation, mission::Role::kExplorer, mission::Role::kInspector};
+  const mission::Role roles[] = {mission::Role::kStation, mission::Role::kExplorer,
+                                 mission::Role::kInspector};
   for (std::uint32_t i = 0; i < 3; ++i) {
     mission::RobotConfig r;
     r.id = RobotId{i};
