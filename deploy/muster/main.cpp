@@ -1,6 +1,7 @@
 #include "common/core/error.h"
 #include "common/core/program.h"
 #include "deploy/muster/commands.h"
+#include "deploy/muster/doctor.h"
 #include "deploy/muster/report.h"
 #include "deploy/muster/scene_command.h"
 
@@ -16,6 +17,7 @@ int main(int argc, char** argv) {
   command::add_ctl_command(app, action);
   command::add_report_command(app);
   command::add_scene_command(app);
+  command::add_doctor_command(app);
   // Commands that end where they are parsed throw from here as well.
   return run_program("muster", [&] {
     try {
