@@ -13,15 +13,22 @@ namespace muster::log {
 namespace {
 
 std::atomic<std::int64_t> g_now_us{0};
+std::atomic<std::uint32_t> g_speaker{kNoRobot.value};
 
-/// `%*` in the pattern: mission time in seconds.
+/// `%*` in the pattern: mission time in seconds, and the robot that speaks.
 class MissionTimeFlag : public spdlog::custom_flag_formatter {
  public:
-  void format(const spdlog::details::log_msg&, const std::tm&, spdlog::memory_buf_t& dest) override {
-    const std::string text = fmt::format("{:9.1f}", SimTime{g_now_us.load(std::memory_order_relaxed)}.s());
+  void format(const spdlog::details::log_msg&, const std::tm&,
+              spdlog::memory_buf_t& dest) override {
+    std::string text =
+        fmt::format("{:9.1f}", SimTime{g_now_us.load(std::memory_order_relaxed)}.s());
+    const std::uint32_t speaker = g_speaker.load(std::memory_order_relaxed);
+    if (speaker != kNoRobot.value) text += fmt::format(" robot {}", speaker);
     dest.append(text.data(), text.data() + text.size());
   }
-  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<MissionTimeFlag>(); }
+  std::unique_ptr<custom_flag_formatter> clone() const override {
+    return std::make_unique<MissionTimeFlag>();
+  }
 };
 
 }  // namespace
@@ -40,5 +47,10 @@ void open(const std::string& dir, const std::string& name) {
 }
 
 void set_time(SimTime now) { g_now_us.store(now.us, std::memory_order_relaxed); }
+
+void set_speaker(SimTime now, RobotId robot) {
+  set_time(now);
+  g_speaker.store(robot.value, std::memory_order_relaxed);
+}
 
 }  // namespace muster::log

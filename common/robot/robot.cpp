@@ -27,7 +27,7 @@ Robot::Robot(const mission::Mission& mission, RobotId self, std::unique_ptr<Stra
 Robot::~Robot() = default;
 
 mission::StepOutput Robot::step(const mission::StepInput& input) {
-  log::set_time(input.now);
+  log::set_speaker(input.now, knowledge_.self());
   knowledge_.begin(input.now);
   take_bus(input);
   take_air(input);

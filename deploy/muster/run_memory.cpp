@@ -69,7 +69,7 @@ int run_in_memory(const mission::Mission& mission, const RunOptions& options) {
   const double cpu_start_s = cpu_of_this_process_s();
   std::optional<std::string> end;
   while (!end) {
-    log::set_time(time_of_tick(fleet.ticks()));
+    log::set_speaker(time_of_tick(fleet.ticks()), kNoRobot);
     for (const auto& [verb, robot] : requests.take()) fleet.flight().request(verb, robot);
     end = fleet.tick();
     if (fleet.ticks() % 10 == 1) progress.show(fleet.flight().progress());
