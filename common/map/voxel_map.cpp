@@ -241,9 +241,16 @@ void VoxelMap::write_bt(const std::string& path) const {
     }
     write_block(tree, b->key, evidence);
   }
+  // As OctoMap's writeBinary, which also talks on stderr.
   std::ofstream file(path, std::ios::binary);
-  if (!file || !tree.writeBinary(file) || !file.flush())
-    throw Failure(path + ": cannot be written");
+  tree.toMaxLikelihood();
+  tree.prune();
+  file << "# Octomap OcTree binary file\n# (feel free to add / change comments, but leave the first "
+          "line as it is!)\n#\nid "
+       << tree.getTreeType() << "\nsize " << tree.size() << "\nres " << tree.getResolution()
+       << "\ndata\n";
+  tree.writeBinaryData(file);
+  if (!file.flush()) throw Failure(path + ": cannot be written");
 }
 
 }  // namespace muster::map
