@@ -2,15 +2,12 @@
 
 #include <algorithm>
 
-#include "common/map/targets.h"
-
 namespace muster::agent {
 namespace {
 
 constexpr double kSameArea_m = 0.5;   // RULES "Sighting and inspecting"
 constexpr double kBoxMargin_m = 0.4;  // four sigma of a sighting
-constexpr double kMoved_m = 0.12;
-constexpr double kMapWeight = 0.7;
+constexpr double kMoved_m = 0.08;
 
 bool concerns(const mission::Mission& mission, RegionId region, const Vec3& p) {
   if (region.value < mission.boxes.size() && mission.boxes[region.value].contains(p, kBoxMargin_m))
@@ -56,25 +53,17 @@ void AreaFitter::take(robot::Knowledge& k, const mission::Sightings& sightings, 
                                                 (best->area.sighted_from.p - best->mean()).norm();
     if (nearer) best->area.sighted_from = sightings.sensor;
     best->towards += (sightings.sensor.p - s.position).normalized();
-    best->area.normal = outward_normal(k, *best);
-    if (best->count == 1 ||
-        ((best->mean() - best->published).norm() > kMoved_m && !k.inspected(best->ref)))
-      publish(k, *best);
+    best->area.normal = best->towards.normalized();
+    const bool better = (best->mean() - best->published).norm() > kMoved_m ||
+                        best->count >= 3 * best->published_count;
+    if (best->count == 1 || (better && !k.inspected(best->ref))) publish(k, *best);
   }
-}
-
-/// A surface is seen from its front: the mean direction to the sighters lies within its hemisphere,
-/// and is right where the map's voxels are too coarse (columns, rails, edges); the map's own
-/// estimate is added where the two agree.
-Vec3 AreaFitter::outward_normal(const robot::Knowledge& k, const Fit& fit) {
-  const Vec3 seen = fit.towards.normalized();
-  const Vec3 mapped = map::surface_normal(k.map(), fit.mean(), fit.mean() + seen);
-  return (seen + (mapped.dot(seen) > 0.3 ? kMapWeight : 0.0) * mapped).normalized();
 }
 
 void AreaFitter::publish(robot::Knowledge& k, Fit& fit) {
   fit.area.position = fit.mean();
   fit.published = fit.area.position;
+  fit.published_count = fit.count;
   k.publish(store::RecordClass::kArea, fit.ref.key, fit.area);
 }
 

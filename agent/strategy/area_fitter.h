@@ -8,7 +8,9 @@ namespace muster::agent {
 
 /// Fits areas of interest from noisy sightings (S0 (4)): sightings within 0.5 m of an area belong
 /// to it and refine its position; others begin a new one. Publishes area records; an area is
-/// published again only when its estimate moved noticeably before it was inspected.
+/// published again only when its estimate moved or improved noticeably before it was inspected. Its
+/// normal is the mean direction to the sighters, in whose hemisphere the surface faces; whoever
+/// inspects it asks its own map for more (SurfaceBelief).
 class AreaFitter {
  public:
   /// Only sightings inside `region`'s box (with a margin), or outside every box, are this
@@ -23,11 +25,11 @@ class AreaFitter {
     Vec3 sum = Vec3::Zero();
     Vec3 towards = Vec3::Zero();  ///< sum of unit directions to where it was sighted from
     std::uint32_t count = 0;
+    std::uint32_t published_count = 0;
     mission::Area area;
     Vec3 published = Vec3::Zero();
     Vec3 mean() const { return sum / count; }
   };
-  static Vec3 outward_normal(const robot::Knowledge& knowledge, const Fit& fit);
   void publish(robot::Knowledge& knowledge, Fit& fit);
 
   std::vector<Fit> fits_;

@@ -13,7 +13,8 @@ namespace {
 constexpr double kUnheard_s =
     240;  // longer than any round of the explorer: then to where the station can be met
 constexpr double kBlockedPose_s = 4;
-constexpr int kMaxAttempts = 6;  // poses' patterns per area before it is reported as not to be seen
+constexpr int kMaxAttempts = 14;  // looks in vain before an area is reported as not to be seen
+constexpr int kLooksInARow = 3;
 constexpr double kRetryArea_s = 20;  // the map grows meanwhile
 constexpr std::size_t kImagePart_bytes = 15'000;
 
@@ -88,10 +89,12 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
   worked_ = true;
   if (current_ && std::find(o.areas.begin(), o.areas.end(), *current_) == o.areas.end())
     current_.reset();
-  if (current_ && (progress.blocked_s > kBlockedPose_s ||
-                   (progress.inspected &&
-                    progress.inspected->outcome == mission::InspectOutcome::kRefusedView))) {
-    give_up_pose(k);
+  if (current_) {
+    const bool refused =
+        progress.inspected && progress.inspected->outcome == mission::InspectOutcome::kRefusedView;
+    const bool hidden = progress.state != robot::Progress::State::kArrived &&
+                        !in_sight(k, k.areas().at(*current_).area, view_.pose);
+    if (refused || hidden || progress.blocked_s > kBlockedPose_s) give_up_pose(k, refused);
   }
   if (!current_ && k.now() >= look_again_) {
     for (const mission::AreaRef& ref : o.areas) {
@@ -116,7 +119,7 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
   }
   const mission::Area& area = k.areas().at(*current_).area;
   intent.kind = robot::Intent::Kind::kInspect;
-  intent.goal = poses_.front();
+  intent.goal = view_.pose;
   intent.use_yaw = true;
   intent.area = *current_;
   intent.area_position = area.position;
@@ -130,25 +133,24 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
 bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& ref) {
   const robot::Stopwatch watch(planning_, mission::PlanningStep::kPath);
   k.paths().flood(k.position());
-  int& attempt = attempts_[ref];
-  poses_ = view_poses(k, k.areas().at(ref).area, attempt, refused_from_[ref]);
-  if (!poses_.empty()) {
+  const auto view = view_pose(k, k.areas().at(ref).area, refused_[ref]);
+  if (view) {
+    view_ = *view;
     current_ = ref;
     return true;
   }
-  ++attempt;
+  ++attempts_[ref];
   postpone(k, ref);
   return false;
 }
 
-void Slei3dInspector::give_up_pose(robot::Knowledge& k) {
+/// Refused: look from elsewhere, at once while there is a fair chance. Not to be reached or out of
+/// sight: the others first.
+void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
   const mission::AreaRef ref = *current_;
-  refused_from_[ref].push_back((poses_.front().p - k.areas().at(ref).area.position).normalized());
-  poses_.erase(poses_.begin());
-  if (!poses_.empty()) return;
-  ++attempts_[ref];
-  postpone(k, ref);
   current_.reset();
+  refused_[ref].push_back(view_.look);
+  if (++attempts_[ref] % kLooksInARow == 0 || !refused) postpone(k, ref);
 }
 
 /// The others first: meanwhile the map grows. After the last attempt the area is reported as not to

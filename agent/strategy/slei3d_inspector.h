@@ -36,16 +36,16 @@ class Slei3dInspector : public robot::Strategy {
   robot::Intent inspect(robot::Knowledge& k, const Orders& orders, const robot::Progress& progress);
   robot::Intent wait(robot::Knowledge& k, const Orders& orders);
   bool choose_pose(robot::Knowledge& k, const mission::AreaRef& ref);
-  void give_up_pose(robot::Knowledge& k);
+  void give_up_pose(robot::Knowledge& k, bool refused);
   void postpone(robot::Knowledge& k, const mission::AreaRef& ref);
   void report(robot::Knowledge& k, const mission::Inspected& inspected);
   void publish_route(robot::Knowledge& k, const Orders& orders);
 
   std::vector<mission::PlanningTime> planning_;
   std::optional<mission::AreaRef> current_;
-  std::vector<Pose> poses_;                   // left to try for the current area
-  std::map<mission::AreaRef, int> attempts_;  // sets of poses tried
-  std::map<mission::AreaRef, std::vector<Vec3>> refused_from_;
+  ViewPose view_;                             // of the current area
+  std::map<mission::AreaRef, int> attempts_;  // in vain
+  std::map<mission::AreaRef, std::vector<RefusedLook>> refused_;
   std::map<mission::AreaRef, SimTime> not_before_;
   SimTime idle_since_;
   bool worked_ = false;  // had areas since it was given this region

@@ -6,71 +6,71 @@
 namespace muster::agent {
 namespace {
 
-/// Margins within the rule: generous at first, because area and normal are estimates; thin at last,
-/// because some features can only just be seen.
-constexpr double kMargin_rad[] = {0.25, 0.12, 0.03, 0.03};
 constexpr double kGap_m = 0.3;  // the line of sight is asked for up to this far before the surface,
                                 // whose voxels are occupied
-constexpr double kAnotherDirection_rad = 0.6;
-constexpr double kRefusedCost_m = 8;    // of a direction close to a refused one
-constexpr double kIncidenceCost_m = 4;  // per radian
-constexpr std::size_t kPoses = 3;
+constexpr double kRefusal_s = 16;  // an attempt in vain: hold, patience, and the way to the next
+constexpr double kLeastChance = 0.25, kLeastChanceLate = 0.08;  // late: after some refusals
+constexpr std::size_t kLate = 3;
+constexpr double kSameLook_rad = 0.25;  // what hid the area there may hide it here
+constexpr double kSameLookFactor = 0.5;
+constexpr double kRanges_m[] = {1.2, 1.6, 2.1, 2.7, 3.4, 4.1, 4.6};
+constexpr double kElevations_rad[] = {0.0, 0.2, -0.2, 0.34, -0.34, 0.43, -0.43, 0.48, -0.48};
+constexpr int kAzimuths = 24;
+constexpr std::size_t kLinesOfSight = 400;  // asked for at most
 
 double angle(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(a.dot(b), -1.0, 1.0)); }
 
+/// Up to just before the surface, on the side the camera is on.
+bool sees(const robot::Knowledge& k, const Vec3& area, const Vec3& n, const Vec3& p) {
+  const Vec3 from = (p - area).normalized();
+  return k.map().line_of_sight(p, area + kGap_m * (n.dot(from) > 0 ? n : from), false);
+}
+
 }  // namespace
 
-std::vector<Pose> view_poses(robot::Knowledge& k, const mission::Area& area, int attempt,
-                             const std::vector<Vec3>& refused_from) {
-  const mission::Vehicle& vehicle = k.config().vehicle;
-  const double margin = kMargin_rad[std::clamp(attempt, 0, 3)];
-  const double max_elevation = vehicle.camera.vfov_rad / 2 - margin / 2;
-  // With every refusal the estimate of the normal is trusted less.
-  const double max_incidence = k.mission().inspect.max_incidence_rad - margin + 0.35 * attempt;
-  const double max_range_m = std::min(k.mission().inspect.range_m, vehicle.camera.range_m) - 0.6;
-  const Vec3 n =
-      area.normal.norm() > 0.5 ? area.normal : (area.sighted_from.p - area.position).normalized();
-  const Vec3 edge = area.position + kGap_m * n;
+std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area,
+                                  const std::vector<RefusedLook>& refused) {
+  SurfaceBelief belief(k.map(), area, k.mission().inspect, k.config().vehicle);
+  for (const RefusedLook& look : refused) belief.refuse(look);
+  const Vec3 n = belief.normal();
+  const double least = refused.size() < kLate ? kLeastChance : kLeastChanceLate;
 
   struct Candidate {
-    double cost;
-    Pose pose;
-    Vec3 from;  // unit, area → pose
+    double cost_s;
+    ViewPose view;
   };
   std::vector<Candidate> found;
-  for (const double range : {1.4, 2.0, 2.8, 3.6}) {
-    if (range > max_range_m) continue;
-    for (int i = 0; i < 24; ++i) {
-      const double az = (i + 0.5 * (attempt % 2)) * std::numbers::pi / 12;
-      for (const double el : {0.0, 0.22, -0.22, 0.42, -0.42}) {
-        if (std::abs(el + vehicle.pitch_rad) > max_elevation) continue;
-        const Vec3 from(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
-        const double incidence = angle(from, n);
-        if (incidence > max_incidence) continue;
-        const Vec3 p = area.position + range * from;
-        if (!k.map().traversable(p) || !k.map().line_of_sight(p, edge, false) ||
-            !k.paths().reached(p))
-          continue;
-        double cost = k.paths().flood_distance(p) + kIncidenceCost_m * incidence;
-        for (const Vec3& refused : refused_from)
-          cost += angle(from, refused) < kAnotherDirection_rad ? kRefusedCost_m : 0;
-        found.push_back({cost, {p, std::atan2(-from.y(), -from.x())}, from});
+  for (int i = 0; i < kAzimuths; ++i) {
+    const double az = 2 * std::numbers::pi * i / kAzimuths;
+    for (const double el : kElevations_rad) {
+      const Vec3 from(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
+      double faces = belief.faces(from);
+      for (const RefusedLook& r : refused)
+        faces *= angle(from, r.from) < kSameLook_rad ? kSameLookFactor : 1.0;
+      if (faces < least) continue;
+      for (const double range_m : kRanges_m) {
+        const double chance = faces * belief.in_view(from, range_m);
+        const Vec3 p = area.position + range_m * from;
+        if (chance < least || !k.map().traversable(p) || !k.paths().reached(p)) continue;
+        const double way_s = nav::travel_time_s(k.paths().flood_distance(p), k.limits());
+        found.push_back({way_s + kRefusal_s * (1 - chance) / chance,
+                         {{p, std::atan2(-from.y(), -from.x())}, {from, range_m}, chance}});
       }
     }
   }
   std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.cost < b.cost; });
-  std::vector<Candidate> chosen;
+                   [](const auto& a, const auto& b) { return a.cost_s < b.cost_s; });
+  found.resize(std::min(found.size(), kLinesOfSight));
   for (const Candidate& c : found) {
-    const bool differs = std::all_of(chosen.begin(), chosen.end(), [&](const Candidate& o) {
-      return angle(o.from, c.from) > kAnotherDirection_rad;
-    });
-    if (differs) chosen.push_back(c);
-    if (chosen.size() == kPoses) break;
+    if (sees(k, area.position, n, c.view.pose.p)) return c.view;
   }
-  std::vector<Pose> poses;
-  for (const Candidate& c : chosen) poses.push_back(c.pose);
-  return poses;
+  return std::nullopt;
+}
+
+bool in_sight(const robot::Knowledge& k, const mission::Area& area, const Pose& pose) {
+  const Vec3 from = (pose.p - area.position).normalized();
+  const Vec3 edge = area.position + 1.5 * kGap_m * from;
+  return k.map().line_of_sight(pose.p, edge, true);
 }
 
 }  // namespace muster::agent

@@ -1,18 +1,26 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "common/robot/knowledge.h"
+#include "agent/strategy/surface_belief.h"
 
 namespace muster::agent {
 
-/// Poses from which an inspector's level camera sees an area within the inspection rule (range,
-/// incidence, field of view, line of sight through known space), body-safe and reachable by the
-/// last flood of `knowledge.paths()`; best first: near the robot, near the normal, and not in a
-/// direction from which it was refused before (the normal is an estimate). The poses returned look
-/// from directions that differ. `attempt` ≥ 0: how many such sets were tried; margins within the
-/// rule shrink with it.
-std::vector<Pose> view_poses(robot::Knowledge& knowledge, const mission::Area& area, int attempt,
-                             const std::vector<Vec3>& refused_from);
+/// A pose to look at an area from, and how likely the camera accepts it.
+struct ViewPose {
+  Pose pose;
+  RefusedLook look;  ///< what to remember should it be refused
+  double probability = 0;
+};
+
+/// The pose from which looking at the area is soonest over, counting the way there and, by its
+/// probability, another look after a refusal. Body-safe, with line of sight through known space,
+/// and reachable by the last flood of `knowledge.paths()`. None: nothing with a fair chance.
+std::optional<ViewPose> view_pose(robot::Knowledge& knowledge, const mission::Area& area,
+                                  const std::vector<RefusedLook>& refused);
+
+/// Is the area still in sight of `pose`, by the map as it is now?
+bool in_sight(const robot::Knowledge& knowledge, const mission::Area& area, const Pose& pose);
 
 }  // namespace muster::agent

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <vector>
+
+#include "common/robot/knowledge.h"
+
+namespace muster::agent {
+
+/// A look at an area that the camera refused.
+struct RefusedLook {
+  Vec3 from = Vec3::UnitX();  ///< unit, area → camera
+  double range_m = 2;
+};
+
+/// Which way the surface at an area of interest may face: weights over directions of the whole
+/// sphere. What counts, in this order: whence it was sighted (a surface is only seen from its
+/// front), which of the directions a slab of occupied voxels around it is square to, and from where
+/// a look at it was refused. One estimated normal is not enough: a level camera of ±30° sees a flat
+/// roof within 60° of incidence only from a narrow band of elevations, and a column from one side.
+class SurfaceBelief {
+ public:
+  SurfaceBelief(const map::VoxelMap& map, const mission::Area& area,
+                const mission::InspectConfig& rule, const mission::Vehicle& vehicle);
+
+  void refuse(const RefusedLook& look);
+
+  /// Probability that a look along unit `from` (area → camera) meets the surface within the rule's
+  /// incidence.
+  double faces(const Vec3& from) const;
+  /// Probability that it lies within the camera's field of view and range from there, with the area
+  /// known to its sigma. Line of sight is the map's business.
+  double in_view(const Vec3& from, double range_m) const;
+
+  /// Mean of the directions, unit.
+  Vec3 normal() const;
+
+ private:
+  double square_enough(const Vec3& normal, const Vec3& from) const;
+  void normalise();
+
+  mission::InspectConfig rule_;
+  mission::Vehicle vehicle_;
+  double sigma_m_;
+  std::vector<double> weights_;  // of directions()
+};
+
+}  // namespace muster::agent
