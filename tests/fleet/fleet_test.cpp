@@ -16,6 +16,8 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/free_domain.h"
+
 namespace fs = std::filesystem;
 
 namespace {
@@ -37,9 +39,9 @@ struct Ended {
 };
 
 /// Reads all of what a shell command says.
-Ended shell(const std::string& command) {
+Ended shell(const std::string& line) {
   Ended ended;
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  FILE* pipe = popen((line + " 2>&1").c_str(), "r");
   std::array<char, 4096> chunk;
   while (const std::size_t n = fread(chunk.data(), 1, chunk.size(), pipe))
     ended.output.append(chunk.data(), n);
@@ -47,8 +49,8 @@ Ended shell(const std::string& command) {
   return ended;
 }
 
-Ended muster(const std::string& arguments) {
-  return shell("timeout 120 " + kMuster + " " + arguments);
+Ended command(const std::string& arguments) {
+  return shell("timeout 300 " + kMuster + " " + arguments);
 }
 
 nlohmann::json summary_of(const std::string& dir) {
@@ -65,12 +67,12 @@ class Running {
   Running(const std::string& dir, const std::string& arguments) : dir_(dir) {
     pid_ = fork();
     if (pid_ == 0) {
-      const std::string line = fmt::format("exec {} run {} --speed 20 --out {} {} > {}.out 2>&1",
+      const std::string line = fmt::format("exec {} run {} --speed 10 --out {} {} > {}.out 2>&1",
                                            kMuster, kPagoda, dir, arguments, dir);
       execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
       _exit(127);
     }
-    for (int i = 0; i < 600 && !flies(); ++i)
+    for (int i = 0; i < 2400 && !flies(); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     REQUIRE(flies());
   }
@@ -100,23 +102,30 @@ class Running {
   pid_t pid_ = -1;
 };
 
+/// Five seconds of a machine of our own: more where others want the same cores.
+std::chrono::duration<double> five_seconds() {
+  double load = 0;
+  getloadavg(&load, 1);
+  return std::chrono::duration<double>(
+      5 * std::max(1.0, load / static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN))));
+}
+
 }  // namespace
 
 TEST_CASE("every transport gives the same trace, also when arrivals are late and out of order") {
   const Place place;
   const std::string common = "run " + kPagoda + " --duration 8 --no-report --out ";
-  CHECK(muster(common + place / "memory" + " --transport memory").status == 3);
+  CHECK(command(common + place / "memory" + " --transport memory").status == 3);
   const auto trace = summary_of(place / "memory")["trace_hash"];
   CHECK(trace.get<std::string>().size() == 16);
   for (const char* dds : {"cyclonedds", "fastdds", "mixed"}) {
     INFO(dds);
-    const Ended run = muster(common + place / dds + " --domain 20 --dds " + dds);
+    const Ended run = command(common + place / dds + " --dds " + dds);
     INFO(run.output);
     CHECK(run.status == 3);
     CHECK(summary_of(place / dds)["trace_hash"] == trace);
   }
-  CHECK(shell("MUSTER_DDS_SHUFFLE=5 timeout 120 " + kMuster + " " + common + place / "shuffled" +
-              " --domain 20")
+  CHECK(shell("MUSTER_DDS_SHUFFLE=5 timeout 300 " + kMuster + " " + common + place / "shuffled")
             .status == 3);
   CHECK(summary_of(place / "shuffled")["trace_hash"] == trace);
 }
@@ -133,10 +142,10 @@ TEST_CASE("a scripted kill and revival give the same trace over DDS and in memor
   std::ofstream(mission, std::ios::app) << "\nscript:\n  - {at_s: 2, verb: kill, robot: 3}\n"
                                            "  - {at_s: 4, verb: revive, robot: 3}\n";
   const std::string common = "run " + mission + " --duration 6 --no-report --out ";
-  const Ended memory = muster(common + place / "memory" + " --transport memory");
+  const Ended memory = command(common + place / "memory" + " --transport memory");
   INFO(memory.output);
   REQUIRE(memory.status == 3);
-  const Ended dds = muster(common + place / "dds" + " --domain 22");
+  const Ended dds = command(common + place / "dds");
   INFO(dds.output);
   CHECK(dds.status == 3);
   CHECK(summary_of(place / "dds")["trace_hash"] == summary_of(place / "memory")["trace_hash"]);
@@ -146,7 +155,7 @@ TEST_CASE("a scripted kill and revival give the same trace over DDS and in memor
 TEST_CASE(
     "the mission goes on without an agent that was killed, and the summary says who and when") {
   const Place place;
-  Running run(place / "run", "--domain 24 --duration 20");
+  Running run(place / "run", "--duration 40");
   run.kill_child("muster-agent .*--id 3");
   CHECK(run.wait() == 3);
   const auto summary = summary_of(place / "run");
@@ -154,7 +163,7 @@ TEST_CASE(
   REQUIRE(summary["robots_lost"].size() == 1);
   CHECK(summary["robots_lost"][0]["robot"] == 3);
   CHECK(summary["robots_lost"][0]["how"] == "killed by signal 9");
-  CHECK(summary["robots_lost"][0]["t_s"].get<double>() < 20);
+  CHECK(summary["robots_lost"][0]["t_s"].get<double>() < 40);
   CHECK(run.left_nothing());
 }
 
@@ -162,11 +171,11 @@ TEST_CASE(
     "when the world or the radio is killed, everybody ends within 5 s and the message names it") {
   for (const char* who : {"world", "commsim"}) {
     const Place place;
-    Running run(place / "run", "--domain 26 --duration 600");
+    Running run(place / "run", "--duration 600");
     const auto start = std::chrono::steady_clock::now();
     run.kill_child(fmt::format("muster-{} ", who));
     CHECK(run.wait() == 1);
-    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(5));
+    CHECK(std::chrono::steady_clock::now() - start < five_seconds());
     CHECK(run.output().find(fmt::format("the {} was lost (killed by signal 9)", who)) !=
           std::string::npos);
     CHECK(summary_of(place / "run")["complete"] == false);
@@ -176,7 +185,7 @@ TEST_CASE(
 
 TEST_CASE("Ctrl-C stops every process and still writes the summary") {
   const Place place;
-  Running run(place / "run", "--domain 28 --duration 600");
+  Running run(place / "run", "--duration 600");
   run.signal(SIGINT);
   CHECK(run.wait() == 3);
   CHECK(summary_of(place / "run")["ended"] == "interrupted");
@@ -187,26 +196,26 @@ TEST_CASE("Ctrl-C stops every process and still writes the summary") {
 
 TEST_CASE("every child dies with a launcher that was killed") {
   const Place place;
-  Running run(place / "run", "--domain 30 --duration 600");
+  Running run(place / "run", "--duration 600");
   run.signal(SIGKILL);
   run.wait();
-  for (int i = 0; i < 50 && !run.left_nothing(); ++i)
+  for (int i = 0; i < 600 && !run.left_nothing(); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   CHECK(run.left_nothing());
 }
 
 TEST_CASE("muster ctl reaches the world of a running mission, and says when there is none") {
   const Place place;
-  Running run(place / "run", "--domain 32 --duration 20");
-  CHECK(muster("ctl " + place / "run" + " hold --robot 3").status == 0);
-  CHECK(muster("ctl " + place / "run" + " abort").status == 0);
-  CHECK(muster("ctl " + place / "run" + " abort --robot 99").status == 2);
+  Running run(place / "run", "--duration 40");
+  CHECK(command("ctl " + place / "run" + " hold --robot 3").status == 0);
+  CHECK(command("ctl " + place / "run" + " abort").status == 0);
+  CHECK(command("ctl " + place / "run" + " abort --robot 99").status == 2);
   CHECK(run.wait() == 3);
   std::ostringstream events;
   events << std::ifstream(place / "run/events.jsonl").rdbuf();
   CHECK(events.str().find("\"verb\":\"hold\"") != std::string::npos);
   CHECK(events.str().find("\"verb\":\"abort\"") != std::string::npos);
-  CHECK(muster("ctl " + place / "run" + " abort").status == 1);
+  CHECK(command("ctl " + place / "run" + " abort").status == 1);
 }
 
 TEST_CASE(
@@ -228,7 +237,7 @@ TEST_CASE(
       {"fly", 2},
   }));
   INFO(arguments);
-  const Ended run = muster(arguments);
+  const Ended run = command(arguments);
   INFO(run.output);
   CHECK(run.status == status);
   CHECK(lines_in(run.output) == 1);
@@ -236,11 +245,13 @@ TEST_CASE(
 
 TEST_CASE("a domain or a directory in use is named") {
   const Place place;
-  Running run(place / "run", "--domain 34 --duration 600");
-  const Ended domain = muster("run " + kPagoda + " --domain 34 --out " + place / "other");
+  const std::string taken = std::to_string(muster::test::free_domain());
+  Running run(place / "run", "--duration 600 --domain " + taken);
+  const Ended domain =
+      command("run " + kPagoda + " --domain " + taken + " --out " + place / "other");
   CHECK(domain.status == 1);
-  CHECK(domain.output.find("34 is in use") != std::string::npos);
-  const Ended dir = muster("run " + kPagoda + " --domain 36 --out " + place / "run");
+  CHECK(domain.output.find(taken + " is in use") != std::string::npos);
+  const Ended dir = command("run " + kPagoda + " --out " + place / "run");
   CHECK(dir.status == 1);
   CHECK(dir.output.find("another run is using this directory") != std::string::npos);
   run.signal(SIGINT);

@@ -9,6 +9,7 @@
 #include "common/core/error.h"
 #include "common/dds/convert.h"
 #include "common/dds/participant.h"
+#include "tests/free_domain.h"
 #include "tests/unit/dds/cyclone_types.h"
 #include "tests/unit/dds/samples.h"
 
@@ -18,7 +19,7 @@ namespace {
 using namespace mission;
 using test::Samples;
 
-constexpr std::uint32_t kDomain = 78;
+const std::uint32_t kDomain = test::free_domain();
 
 /// What arrives at a reader, for a test to wait for.
 class Inbox {
@@ -157,8 +158,8 @@ TEST_CASE("a domain that is taken or does not exist is refused in one line") {
   CHECK_THROWS_AS(make_participant(config(vendor, 0, 100)), BadInput);
   const auto hub = make_participant(config(Vendor::kFast, 0));
   CHECK_THROWS_WITH(make_participant(config(vendor, 0)),
-                    Catch::Contains("DDS domain 78 is in use"));
-  ParticipantConfig nowhere = config(vendor, 0, 77);
+                    Catch::Contains("DDS domain " + std::to_string(kDomain) + " is in use"));
+  ParticipantConfig nowhere = config(vendor, 0, kDomain + 1);
   nowhere.network_interface = "no-such-interface";
   CHECK_THROWS_AS(make_participant(nowhere), Failure);
 }

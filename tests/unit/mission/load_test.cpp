@@ -90,7 +90,7 @@ TEST_CASE("the effective mission reads back as itself") {
   CHECK(text.find("vfov_deg: 47.3") != std::string::npos);
 }
 
-TEST_CASE("--set changes one value and what it says is checked") {
+TEST_CASE("set changes one value and what it says is checked") {
   const Folder folder;
   const Mission m = folder.load(
       kGood, {"inspect.hold_s=5", "radio.range_m=6", "seed=3", "vehicles.quad.speed_mps=1.5"});
