@@ -48,7 +48,6 @@ std::string run_in_field(const RobotShellOptions& options, mission::Process& pro
   config.peers = options.peers;
   config.speed = options.speed;
   FieldRunner runner(config);
-  stop_on_signal();
   runner.run([&](const mission::StepInput& input) { return process.step(input); }, g_stop);
   return "asked to stop";
 }
@@ -110,6 +109,8 @@ int run_robot(const RobotShellOptions& options, bool station, const MakeProcess&
         fmt::format("--id: robot {} is {}", self.value,
                     station ? "not a station: use muster-agent" : "a station: use muster-gcs"));
   }
+  // Before the first trace of this process: who sees its log may ask it to stop.
+  if (options.field) stop_on_signal();
   std::error_code error;
   std::filesystem::create_directories(options.out + "/logs", error);
   log::open(options.out + "/logs", fmt::format("{}-{}", station ? "gcs" : "agent", self.value));
