@@ -12,8 +12,8 @@ namespace muster::robot {
 /// are the map's bounds: nothing outside is ever traversable.
 ///
 ///     resume ◀── hold: stay where it is      return: home, hover      land: here      abort: home
-///     and land battery below reserve, or nobody heard for the mission's lost_contact_s: home and
-///     land
+///     and land battery below reserve, or nobody heard for the mission's lost_contact_s: in
+///     turns, home and land
 class Guardian {
  public:
   /// The intent to follow instead of the strategy's, when there is one.
@@ -21,6 +21,7 @@ class Guardian {
 
  private:
   std::optional<Vec3> land_here_;
+  bool going_silently_ = false;  // nobody was heard for too long, and its turn has come
 };
 
 /// To the start, and land there.

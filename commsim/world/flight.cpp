@@ -67,9 +67,11 @@ void Flight::tick_begins(std::uint64_t k, const mission::Truth& truth) {
   now_ = time_of_tick(k);
   trace_.add(k).add(world_.trace());
   for (const mission::TrueState& robot : truth.robots) state_[robot.robot] = robot.state;
-  for (const mission::ScriptedEvent& scripted : world_.scripted(k)) {
+  for (const mission::ScriptedEvent& scripted : mission_.script) {
     const auto verb = verb_from(scripted.verb);
-    if (verb && *verb >= RequestVerb::kReturn && scripted.robot == kNoRobot) called_home_ = now_;
+    const bool due = scripted.at <= now_ && (k == 0 || scripted.at > now_ - kTick);
+    if (due && verb && *verb >= RequestVerb::kReturn && scripted.robot == kNoRobot)
+      called_home_ = now_;
   }
   if (k % 10 == 0) write_tracks(truth);
 }

@@ -354,6 +354,7 @@ void World::operator_request(mission::RequestVerb verb, RobotId robot) {
   request.verb = verb;
   request.robot = robot;
   impl_->requests.push_back(request);
+  if (robot == kNoRobot) impl_->called_home = verb >= mission::RequestVerb::kReturn;
 }
 
 std::vector<mission::ScriptedEvent> World::scripted(std::uint64_t k) const {

@@ -91,6 +91,7 @@ struct World::Impl {
   std::vector<Lost> lost;
   std::uint32_t collisions = 0, violations = 0;
   bool declared = false;
+  bool called_home = false;  // the operator asked everyone to return, land or abort
   std::optional<SimTime> declared_at, covered_at, home_at;
 };
 

@@ -50,9 +50,8 @@ void World::Impl::account() {
       doing.push_back({r.alive, r.inspector.busy(), r.vehicle.velocity_mps().norm()});
     }
     activity.tick(doing);
-    return;
   }
-  if (!home_at && home()) home_at = now;
+  if ((declared || called_home) && !home_at && home()) home_at = now;
 }
 
 bool World::Impl::home() const {

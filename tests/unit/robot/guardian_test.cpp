@@ -1,5 +1,6 @@
 #include "common/robot/guardian.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "tests/unit/robot/fixtures.h"
@@ -56,7 +57,31 @@ TEST_CASE("a robot that hears nobody for the mission's limit goes home") {
   CHECK_FALSE(guardian.overrule(explorer));
   explorer.begin(SimTime::from_s(151));
   REQUIRE(guardian.overrule(explorer));
+  for (double t_s = 151; t_s < 151 + 3 * 30; t_s += 1) {
+    explorer.begin(SimTime::from_s(t_s));
+    if (guardian.overrule(explorer)->kind == Intent::Kind::kLand) break;
+  }
   CHECK(guardian.overrule(explorer)->kind == Intent::Kind::kLand);
+}
+
+TEST_CASE("silent robots set out for home one after the other") {
+  mission::Mission m = robot::small_mission();
+  m.lost_contact_s = 100;
+  std::vector<double> set_out_s;
+  for (std::uint32_t id = 0; id < 3; ++id) {
+    Knowledge k(m, RobotId{id}, 1);
+    Guardian guardian;
+    for (double t_s = 101; t_s < 250; t_s += 1) {
+      k.begin(SimTime::from_s(t_s));
+      if (guardian.overrule(k)->kind != Intent::Kind::kLand) continue;
+      set_out_s.push_back(t_s);
+      break;
+    }
+  }
+  REQUIRE(set_out_s.size() == 3);
+  std::sort(set_out_s.begin(), set_out_s.end());
+  CHECK(set_out_s[1] - set_out_s[0] >= 19);
+  CHECK(set_out_s[2] - set_out_s[1] >= 19);
 }
 
 TEST_CASE("a battery below its reserve sends home, unless it is charging") {
