@@ -18,6 +18,7 @@ constexpr double kLeaveMargin_s = 4;
 constexpr double kDetour = 1.4;
 constexpr double kTellEvery_s = 5;
 constexpr double kTalkDistance_m = 3.5;  // well inside the radio's range
+constexpr double kCollect_s = 30, kSoonest_s = 40;
 constexpr double kCornerInset_m = 0.6;
 constexpr double kMeetingHeight_m = 1.2;
 
@@ -68,7 +69,8 @@ robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress&
   const RegionId region = exploration_ ? exploration_->region() : kNoRegion;
   subgroup_.update(k, region);
   if (exploration_ || released_)
-    subgroup_.allocate(k, k.declared_complete() ? kNoRegion : region, planning_);
+    subgroup_.allocate(k, k.declared_complete() ? kNoRegion : region,
+                       exploration_ && !exploration_->done(), planning_);
   if (agreement_.update(k)) agreed_here_ = true;
   if (k.in_contact(station_)) tell_progress(k);
 
@@ -206,6 +208,10 @@ std::vector<mission::Rung> Slei3dExplorer::next_ladder(robot::Knowledge& k) {
                               k.limits()) +
            route::kFirstSlice_s;
   }
+  if (exploration_->done()) {
+    // Nothing is left to predict by volume: the inspectors' work that is left, and its collection.
+    in_s = std::clamp(subgroup_.remaining_s(k) + kCollect_s, kSoonest_s, in_s);
+  }
   const Vec3 place = meeting_corner(k, in_s);
   const SimTime from = k.now() + Duration::from_s(in_s);
   const Duration window = Duration::from_s(3 * k.mission().meeting_tolerance_s);
@@ -274,10 +280,22 @@ std::optional<robot::Intent> Slei3dExplorer::visit(robot::Knowledge& k,
     const double apart_m =
         contact ? (k.teammates().at(mate).beacon.pose.p - k.position()).norm() : 1e9;
     if (contact && !visit_contact_since_) visit_contact_since_ = k.now();
-    if (contact && subgroup_.settled(k, mate))
+    const bool exploring = exploration_ && !exploration_->done();
+    if (contact && subgroup_.settled(k, mate)) {
+      // After exploring, one that is still at work is stayed with while there is nobody else.
+      const auto next = subgroup_.next_visit(k, exploring);
       visit_.reset();
-    else if (contact && visit_contact_since_ &&
-             (k.now() - *visit_contact_since_).s() > kExchangeAtMost_s && k.talked(mate))
+      if (next && next->mate == mate && !exploring) {
+        visit_ = next;
+        robot::Intent stay;
+        stay.activity = mission::Activity::kWaiting;
+        stay.with = mate;
+        stay.reason = "staying with inspector " + std::to_string(mate.value);
+        return stay;
+      }
+      consider_visit_ = k.now();
+    } else if (contact && visit_contact_since_ &&
+               (k.now() - *visit_contact_since_).s() > kExchangeAtMost_s && k.talked(mate))
       visit_.reset();
     else if (contact && apart_m < kTalkDistance_m) {
       robot::Intent talk;
@@ -291,7 +309,7 @@ std::optional<robot::Intent> Slei3dExplorer::visit(robot::Knowledge& k,
       if (!contact && there && k.now() >= visit_->at) {
         if (!visit_waiting_since_) visit_waiting_since_ = k.now();
         if ((k.now() - *visit_waiting_since_).s() > tolerance_s) {
-          subgroup_.missed(k, mate);
+          subgroup_.missed(k, mate, progress.state == robot::Progress::State::kArrived);
           visit_.reset();
         }
       }

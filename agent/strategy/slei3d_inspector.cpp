@@ -10,12 +10,13 @@
 namespace muster::agent {
 namespace {
 
-constexpr double kUnheard_s =
-    240;  // longer than any round of the explorer: then to where the station can be met
 constexpr double kBlockedPose_s = 4;
 constexpr int kMaxAttempts = 14;  // looks in vain before an area is reported as not to be seen
 constexpr int kLooksInARow = 3;
 constexpr double kRetryArea_s = 20;  // the map grows meanwhile
+constexpr double kMoved_m = 0.4, kStuck_s = 10;
+constexpr double kRouteAgain_s = 4;  // while the explorer listens
+constexpr double kDetour = 1.3;
 constexpr std::size_t kImagePart_bytes = 15'000;
 
 }  // namespace
@@ -71,6 +72,10 @@ robot::Intent Slei3dInspector::decide(robot::Knowledge& k, const robot::Progress
     report(k, *progress.inspected);
   }
   const Orders o = orders(k);
+  if (o.region != routed_region_) {
+    worked_ = false;
+    end_.reset();
+  }
   if (k.declared_complete()) return robot::go_home(k, "the mission is complete");
   if (!o.areas.empty()) {
     robot::Intent intent = inspect(k, o, progress);
@@ -85,7 +90,6 @@ robot::Intent Slei3dInspector::decide(robot::Knowledge& k, const robot::Progress
 
 robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
                                        const robot::Progress& progress) {
-  idle_since_ = k.now();
   worked_ = true;
   if (current_ && std::find(o.areas.begin(), o.areas.end(), *current_) == o.areas.end())
     current_.reset();
@@ -94,7 +98,13 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
         progress.inspected && progress.inspected->outcome == mission::InspectOutcome::kRefusedView;
     const bool hidden = progress.state != robot::Progress::State::kArrived &&
                         !in_sight(k, k.areas().at(*current_).area, view_.pose);
-    if (refused || hidden || progress.blocked_s > kBlockedPose_s) give_up_pose(k, refused);
+    const bool arrived = progress.state == robot::Progress::State::kArrived;
+    if (arrived || (k.position() - moved_to_).norm() > kMoved_m) {
+      moved_to_ = k.position();
+      moved_at_ = k.now();
+    }
+    const bool stuck = (k.now() - moved_at_).s() > kStuck_s;
+    if (refused || hidden || stuck || progress.blocked_s > kBlockedPose_s) give_up_pose(k, refused);
   }
   if (!current_ && k.now() >= look_again_) {
     for (const mission::AreaRef& ref : o.areas) {
@@ -137,6 +147,8 @@ bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& r
   if (view) {
     view_ = *view;
     current_ = ref;
+    moved_to_ = k.position();
+    moved_at_ = k.now();
     return true;
   }
   ++attempts_[ref];
@@ -195,60 +207,80 @@ void Slei3dInspector::report(robot::Knowledge& k, const mission::Inspected& answ
 robot::Intent Slei3dInspector::wait(robot::Knowledge& k, const Orders& o) {
   robot::Intent intent;
   intent.activity = mission::Activity::kWaiting;
-  const double idle_s = (k.now() - idle_since_).s();
+  intent.through_unknown = true;
+  intent.tolerance_m = 1.0;
   const auto heard = k.last_heard(o.leader);
   const double unheard_s = heard ? (k.now() - *heard).s() : k.now().s();
   if (unheard_s > kUnheard_s) {
     intent.kind = robot::Intent::Kind::kGo;
     intent.goal.p = k.config().start.p;
-    intent.through_unknown = true;
     intent.reason = "explorer unheard: waiting where the station can be met";
     return intent;
   }
-  if (o.region == kNoRegion || (worked_ && idle_s < kWaitHere_s)) {
+  if (!end_) {
     intent.reason = "waiting for work";
     return intent;
   }
   intent.kind = robot::Intent::Kind::kGo;
-  intent.goal.p = gathering_place(k.mission(), o.region, k.self());
-  intent.through_unknown = true;
-  intent.tolerance_m = 1.0;
-  intent.reason = "waiting at the gathering place of region " + std::to_string(o.region.value);
+  intent.goal.p = *end_;
+  intent.reason =
+      worked_ ? "waiting where the route ends"
+              : "waiting at the gathering place of region " + std::to_string(o.region.value);
   return intent;
 }
 
+/// Where the last area is looked at from, as far as can be told now.
+Vec3 Slei3dInspector::route_end(robot::Knowledge& k, const Orders& o) const {
+  const mission::AreaRef ref = o.areas.back();
+  const mission::Area& area = k.areas().at(ref).area;
+  const auto refused = refused_.find(ref);
+  k.paths().flood(k.position());
+  if (const auto view = view_pose(
+          k, area, refused == refused_.end() ? std::vector<RefusedLook>{} : refused->second))
+    return view->pose.p;
+  for (const double m : {1.5, 2.0, 2.5, 1.0, 3.0, 4.0}) {
+    const Vec3 p = area.position + m * (area.sighted_from.p - area.position).normalized();
+    if (k.map().traversable(p)) return p;
+  }
+  return area.sighted_from.p;
+}
+
 /// The route as the explorer needs it: where this inspector will be when, if nothing else is
-/// allocated.
+/// allocated. It ends where the explorer was last told that it ends, until the explorer can hear
+/// otherwise.
 void Slei3dInspector::publish_route(robot::Knowledge& k, const Orders& o) {
-  if (route_published_ && routed_ == o.areas && routed_region_ == o.region) return;
-  // Areas only drop out as they are done: the times published before still hold.
-  const bool shorter = route_published_ && routed_region_ == o.region && !o.areas.empty() &&
-                       o.areas.size() < routed_.size() &&
-                       std::equal(o.areas.rbegin(), o.areas.rend(), routed_.rbegin());
+  const bool same_region = route_published_ && routed_region_ == o.region;
+  const bool listens = k.in_contact(o.leader);
+  const bool added = std::any_of(o.areas.begin(), o.areas.end(), [&](const auto& ref) {
+    return std::find(routed_.begin(), routed_.end(), ref) == routed_.end();
+  });
+  const bool late = listens && (k.now() - routed_at_).s() > kRouteAgain_s && !o.areas.empty();
+  if (same_region && !added && !late) return;
+  if (added || (late && worked_))
+    end_ = route_end(k, o);
+  else if (!worked_ && o.region != kNoRegion)
+    end_ = gathering_place(k.mission(), o.region, k.self());
   routed_ = o.areas;
   routed_region_ = o.region;
-  if (shorter) return;
+  routed_at_ = k.now();
   route_published_ = true;
   mission::Plan plan;
   plan.kind = mission::PlanKind::kRoute;
   SimTime t = k.now();
   Vec3 p = k.position();
-  const auto step = [&](const Vec3& place, double yaw, mission::PlanAction action,
-                        const mission::AreaRef& area, double duration_s) {
-    t = t + Duration::from_s(1.3 * nav::travel_time_s((place - p).norm(), k.limits()) + 1.0);
+  const auto step = [&](const Vec3& place, mission::PlanAction action, const mission::AreaRef& area,
+                        double duration_s) {
+    t = t + Duration::from_s(nav::travel_time_s(kDetour * (place - p).norm(), k.limits()) + 1.5);
     p = place;
-    plan.steps.push_back({{t, {p, yaw}}, action, kNoRobot, area, static_cast<float>(duration_s)});
+    plan.steps.push_back({{t, {p, 0}}, action, kNoRobot, area, static_cast<float>(duration_s)});
     t = t + Duration::from_s(duration_s);
   };
   for (const mission::AreaRef& ref : o.areas) {
     const mission::Area& area = k.areas().at(ref).area;
     const Vec3 from = area.position + 2.0 * (area.sighted_from.p - area.position).normalized();
-    step(from, 0, mission::PlanAction::kInspect, ref, k.mission().inspect.hold_s);
+    step(from, mission::PlanAction::kInspect, ref, k.mission().inspect.hold_s);
   }
-  if (!worked_ && o.region != kNoRegion) {
-    step(gathering_place(k.mission(), o.region, k.self()), 0, mission::PlanAction::kWait, {}, 0);
-  }
-  plan.steps.push_back({{t, {p, 0}}, mission::PlanAction::kWait, kNoRobot, {}, 0});
+  step(end_.value_or(k.position()), mission::PlanAction::kWait, {}, 0);
   k.publish(store::RecordClass::kPlan, robot::plan_key(mission::PlanKind::kRoute), plan);
 }
 

@@ -10,14 +10,14 @@
 
 namespace muster::agent {
 
-/// The inspector of SLEI3D (S0 IV-C): does what its explorer allocated, in the order given; waits
-/// where it ended, so that the explorer, which knows this plan, can come to it; after a while waits
-/// at its region's gathering place. Publishes its route for the explorer to plan by.
+/// The inspector of SLEI3D (S0 IV-C): does what its explorer allocated, in the order given; then
+/// waits where its route says that it ends. The explorer heard that route when it gave the work, so
+/// it knows where to come to; nothing is announced that it cannot have heard.
 ///
 ///     areas left ─▶ travel ─▶ look (t_q) ─▶ result published ─┐
 ///         ▲───────────────────────────────────────────────────┘
-///     none left ─▶ wait here (30 s) ─▶ gathering place ─▶ (unheard for long) standing place ─▶
-///     home
+///     none left ─▶ the announced end of the route (before any work: the gathering place)
+///               ─▶ (unheard for long) where it started ─▶ home
 class Slei3dInspector : public robot::Strategy {
  public:
   robot::Intent decide(robot::Knowledge& knowledge, const robot::Progress& progress) override;
@@ -40,6 +40,7 @@ class Slei3dInspector : public robot::Strategy {
   void postpone(robot::Knowledge& k, const mission::AreaRef& ref);
   void report(robot::Knowledge& k, const mission::Inspected& inspected);
   void publish_route(robot::Knowledge& k, const Orders& orders);
+  Vec3 route_end(robot::Knowledge& k, const Orders& orders) const;
 
   std::vector<mission::PlanningTime> planning_;
   std::optional<mission::AreaRef> current_;
@@ -47,20 +48,23 @@ class Slei3dInspector : public robot::Strategy {
   std::map<mission::AreaRef, int> attempts_;  // in vain
   std::map<mission::AreaRef, std::vector<RefusedLook>> refused_;
   std::map<mission::AreaRef, SimTime> not_before_;
-  SimTime idle_since_;
-  bool worked_ = false;  // had areas since it was given this region
+  Vec3 moved_to_ = Vec3::Zero();  // on the way to the current pose
+  SimTime moved_at_;
+  bool worked_ = false;      // had areas since it was given this region
+  std::optional<Vec3> end_;  // of the announced route
   SimTime look_again_;
   std::vector<mission::AreaRef> routed_;
   bool route_published_ = false;
+  SimTime routed_at_;
   RegionId routed_region_ = kNoRegion;
 };
 
-/// How long an inspector that ran out of areas waits where it is, before it goes to the gathering
-/// place.
-inline constexpr double kWaitHere_s = 30;
+/// How long an inspector that does not hear its explorer waits where it was expected, before it
+/// goes back to where it started. The explorer counts the same time.
+inline constexpr double kUnheard_s = 400;
 
-/// Where the idle inspectors of a region wait: near the box corner that is nearest to the standing
-/// place, each a little apart.
+/// Where the inspectors of a region wait before they are given anything: near the box corner that
+/// is nearest to the standing place, each a little apart.
 Vec3 gathering_place(const mission::Mission& mission, RegionId region, RobotId inspector);
 
 }  // namespace muster::agent

@@ -10,8 +10,15 @@ namespace muster::agent {
 namespace {
 
 constexpr double kIdleSlack_s = 3;
-constexpr std::size_t kWorthAVisit = 4;  // areas to hand over before exploring is interrupted
-constexpr double kIdleLong_s = 25;
+constexpr double kPerArea_s = 11;  // of an inspector: the way, the look, now and then another one
+constexpr double kTalk_s = 4;
+constexpr double kWorth = 1.0;            // an explorer's second against an inspector's
+constexpr std::size_t kAlwaysWorth = 14;  // areas to hand over
+constexpr std::size_t kLoad = 12;         // areas that one visit is counted to hand over, at most
+constexpr double kApartExploring_s = 45, kApart_s = 12;  // a visit's price, in the sharing of areas
+constexpr double kForget_s = 3;
+constexpr double kAgainAfterMiss_s = 30;
+constexpr int kMissesUntilLost = 2, kNoWayUntilLost = 5;
 constexpr double kDetour = 1.3;
 
 }  // namespace
@@ -36,15 +43,22 @@ void Subgroup::update(robot::Knowledge& k, RegionId region) {
   for (auto& [id, mate] : mates_) {
     if (!k.in_contact(id)) continue;
     mate.seen = k.now();
-    mate.missed = 0;
+    mate.missed = mate.out_of_reach = 0;
+    mate.not_before = k.now();
     mate.lost = false;
-    at_gathering_[id] = false;
+    if (!k.knows(id, store::RecordClass::kPlan, robot::plan_key(mission::PlanKind::kAllocation)))
+      continue;
+    for (const auto& [ref, to] : given_) {
+      if (to == id) heard_.insert(ref);
+    }
   }
-  // Done, or given to somebody who is lost: not given any more.
+  // Done, or given to somebody who is lost or went before it could hear: not given any more.
   std::erase_if(given_, [&](const auto& g) {
     const auto mate = mates_.find(g.second);
-    return k.inspected(g.first) || mate == mates_.end() || mate->second.lost;
+    return k.inspected(g.first) || mate == mates_.end() || mate->second.lost ||
+           (!heard_.contains(g.first) && (k.now() - mate->second.seen).s() > kForget_s);
   });
+  std::erase_if(heard_, [&](const mission::AreaRef& ref) { return !given_.contains(ref); });
   std::erase_if(order_, [&](const mission::AreaRef& ref) { return !given_.contains(ref); });
   open_.clear();
   if (region == kNoRegion) return;
@@ -60,25 +74,24 @@ SimTime Subgroup::free_at(const robot::Knowledge& k, RobotId id) const {
 }
 
 Vec3 Subgroup::expected_place(const robot::Knowledge& k, RobotId id, SimTime t) const {
-  const auto* route = k.plan(id, mission::PlanKind::kRoute);
-  const auto gathering = at_gathering_.find(id);
   if (k.in_contact(id) && free_at(k, id) <= t) return k.teammates().at(id).beacon.pose.p;
-  const bool away = gathering != at_gathering_.end() && gathering->second;
-  if (!route || route->body.steps.empty() || away) {
+  const auto mate = mates_.find(id);
+  const auto* route = k.plan(id, mission::PlanKind::kRoute);
+  if (mate != mates_.end() && (t - mate->second.seen).s() > kUnheard_s &&
+      free_at(k, id) + Duration::from_s(kPerArea_s) < t)
+    return k.mission().robot(id).start.p;
+  if (!route || route->body.steps.empty()) {
     return published_region_ == kNoRegion ? k.mission().robot(id).start.p
                                           : gathering_place(k.mission(), published_region_, id);
   }
   const auto& steps = route->body.steps;
-  if (t > steps.back().at.t + Duration::from_s(kWaitHere_s) && published_region_ != kNoRegion) {
-    return gathering_place(k.mission(), published_region_, id);
-  }
   for (const mission::PlanStep& s : steps) {
     if (s.at.t + Duration::from_s(static_cast<double>(s.duration_s)) >= t) return s.at.pose.p;
   }
   return steps.back().at.pose.p;
 }
 
-void Subgroup::allocate(robot::Knowledge& k, RegionId region,
+void Subgroup::allocate(robot::Knowledge& k, RegionId region, bool exploring,
                         std::vector<mission::PlanningTime>& planning) {
   std::vector<RobotId> crew;
   for (const auto& [id, mate] : mates_) {
@@ -98,7 +111,11 @@ void Subgroup::allocate(robot::Knowledge& k, RegionId region,
     };
     for (const RobotId id : crew) {
       const SimTime free = std::max(free_at(k, id), k.now());
-      problem.free_at_s.push_back((free - k.now()).s());
+      const double apart_s = k.in_contact(id)
+                                 ? 0
+                                 : (exploring ? kApartExploring_s : kApart_s) +
+                                       seconds(k.position(), expected_place(k, id, free));
+      problem.free_at_s.push_back((free - k.now()).s() + apart_s);
       const Vec3 from = expected_place(k, id, free);
       auto& first = problem.first_s.emplace_back();
       for (std::size_t a = 0; a < open_.size(); ++a) first.push_back(seconds(from, position(a)));
@@ -168,49 +185,65 @@ std::optional<Subgroup::Visit> Subgroup::next_visit(const robot::Knowledge& k,
   std::optional<Visit> best;
   double best_s = 1e18;
   for (const auto& [id, mate] : mates_) {
-    if (mate.lost) continue;
+    if (mate.lost || k.now() < mate.not_before) continue;
     std::size_t holds = 0;
     for (const auto& [ref, to] : given_) holds += to == id ? 1 : 0;
     for (const auto& [ref, result] : k.results())
       holds += result.by == id && !result.complete() ? 1 : 0;
     const SimTime free = std::max(free_at(k, id), k.now());
-    const auto travel_s = [&](SimTime t) {
-      return nav::travel_time_s(kDetour * (expected_place(k, id, t) - k.position()).norm(),
-                                k.limits());
-    };
-    const SimTime arrive = k.now() + Duration::from_s(travel_s(free));
+    const Vec3 place = expected_place(k, id, free);
+    const double way_s = nav::travel_time_s(kDetour * (place - k.position()).norm(), k.limits());
+    const SimTime arrive = k.now() + Duration::from_s(way_s);
     const bool idle = free <= arrive + Duration::from_s(kIdleSlack_s);
     const bool informed =
         k.knows(id, store::RecordClass::kPlan, robot::plan_key(mission::PlanKind::kAllocation));
     bool wanted = false;
     if (exploring) {
-      const bool long_idle = (k.now() - free_at(k, id)).s() > kIdleLong_s;
-      wanted = idle && (open_.size() >= kWorthAVisit || (!open_.empty() && long_idle));
+      const double work_s = kPerArea_s * static_cast<double>(std::min(open_.size(), kLoad));
+      wanted = idle && (work_s > kWorth * (2 * way_s + kTalk_s) || open_.size() >= kAlwaysWorth) &&
+               !open_.empty();
     } else {
       wanted = holds > 0 || !informed || (!open_.empty() && idle);
     }
     if (!wanted) continue;
-    // When it is free it is done with everything: come then, or as soon as one can.
+    // When it is free it is done with everything: come then, or as soon as one can. One that is
+    // here and still at work is waited for only while there is nobody else to go to.
     const SimTime at = std::max(arrive, free);
-    const double cost_s = (at - k.now()).s();
+    const double cost_s = (at - k.now()).s() + (settled(k, id) ? 60 : 0);
     if (cost_s < best_s) {
       best_s = cost_s;
-      best = Visit{id, expected_place(k, id, at), at};
+      best = Visit{id, place, at};
     }
   }
   return best;
 }
 
-void Subgroup::missed(robot::Knowledge& k, RobotId id) {
-  Mate& mate = mates_.at(id);
-  at_gathering_[id] = true;  // where it goes when nobody comes
-  if (++mate.missed >= 3) {
-    mate.lost = true;
-    mission::Status lost;
-    lost.kind = mission::StatusKind::kLost;
-    lost.robot = id;
-    k.publish(store::RecordClass::kRequest, robot::lost_key(id), lost);
+double Subgroup::remaining_s(const robot::Knowledge& k) const {
+  double last_s = 0;
+  std::size_t crew = 0;
+  for (const auto& [id, mate] : mates_) {
+    if (mate.lost) continue;
+    ++crew;
+    const SimTime free = std::max(free_at(k, id), k.now());
+    const Vec3 place = expected_place(k, id, free);
+    last_s = std::max(last_s,
+                      (free - k.now()).s() +
+                          nav::travel_time_s(kDetour * (place - k.position()).norm(), k.limits()));
   }
+  return last_s + kPerArea_s * static_cast<double>(open_.size()) /
+                      static_cast<double>(std::max<std::size_t>(crew, 1));
+}
+
+void Subgroup::missed(robot::Knowledge& k, RobotId id, bool arrived) {
+  Mate& mate = mates_.at(id);
+  mate.not_before = k.now() + Duration::from_s(kAgainAfterMiss_s);
+  ++(arrived ? mate.missed : mate.out_of_reach);
+  if (mate.missed < kMissesUntilLost && mate.out_of_reach < kNoWayUntilLost) return;
+  mate.lost = true;
+  mission::Status lost;
+  lost.kind = mission::StatusKind::kLost;
+  lost.robot = id;
+  k.publish(store::RecordClass::kRequest, robot::lost_key(id), lost);
 }
 
 }  // namespace muster::agent

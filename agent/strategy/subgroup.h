@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "common/robot/knowledge.h"
@@ -16,8 +17,9 @@ class Subgroup {
   struct Mate {
     RobotId id;
     SimTime seen;          ///< last contact
-    SimTime waited_since;  ///< where it is expected now
+    SimTime not_before;    ///< of the next visit, after one in vain
     int missed = 0;        ///< meetings in a row at which it was not there; 2: lost (S0.15)
+    int out_of_reach = 0;  ///< visits in a row on which no way was found
     bool lost = false;
   };
   struct Visit {
@@ -33,16 +35,20 @@ class Subgroup {
   /// Shares the areas not given yet among the inspectors, and gives those in contact theirs.
   /// Publishes the allocation record when it changed. `region`: where the group works; kNoRegion:
   /// it is released.
-  void allocate(robot::Knowledge& k, RegionId region, std::vector<mission::PlanningTime>& planning);
+  void allocate(robot::Knowledge& k, RegionId region, bool exploring,
+                std::vector<mission::PlanningTime>& planning);
 
-  /// Whom to visit now; nullopt: nobody. While exploring only who would otherwise stand idle; after
-  /// it whoever holds results or has not heard the newest allocation.
+  /// Whom to visit now; nullopt: nobody. While exploring only who would stand idle, and only when
+  /// the work to hand over outweighs the way there and back (12); after it whoever holds results or
+  /// has not heard the newest allocation, as soon as it is through with its work.
   std::optional<Visit> next_visit(const robot::Knowledge& k, bool exploring) const;
   /// Where `mate` is expected at `t`.
   Vec3 expected_place(const robot::Knowledge& k, RobotId mate, SimTime t) const;
   SimTime free_at(const robot::Knowledge& k, RobotId mate) const;
-  /// It was not where it was expected, for the tolerance.
-  void missed(robot::Knowledge& k, RobotId mate);
+  /// It was not where it was expected, for the tolerance; or there was no way to there.
+  void missed(robot::Knowledge& k, RobotId mate, bool arrived);
+  /// Until all areas known so far are inspected and their results collected, about.
+  double remaining_s(const robot::Knowledge& k) const;
 
   /// In contact, has heard the newest allocation, and everything it had is here.
   bool settled(const robot::Knowledge& k, RobotId mate) const;
@@ -59,12 +65,12 @@ class Subgroup {
 
   std::map<RobotId, Mate> mates_;
   std::map<mission::AreaRef, RobotId> given_;
+  std::set<mission::AreaRef> heard_;     // of given_: the inspector has the allocation
   std::vector<mission::AreaRef> order_;  // of given_, as each inspector shall visit them
   std::vector<mission::AreaRef> open_;
   std::vector<RobotId> published_mates_;
   RegionId published_region_ = kNoRegion;
   bool published_ = false;
-  std::map<RobotId, bool> at_gathering_;
 };
 
 }  // namespace muster::agent

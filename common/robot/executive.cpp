@@ -96,6 +96,7 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
     blocked_since_.reset();
     landing_ = false;
     transit_stuck_ = 0;
+    partial_ = false;
     progress_.state = Progress::State::kMoving;
   }
   intent_ = intent;
