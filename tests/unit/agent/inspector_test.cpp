@@ -1,0 +1,121 @@
+#include <catch2/catch.hpp>
+
+#include "agent/strategy/slei3d_inspector.h"
+#include "tests/unit/agent/place.h"
+
+using namespace muster;
+using namespace muster::agent;
+using Kind = robot::Intent::Kind;
+
+namespace {
+
+bool wall(const Vec3& p) { return p.x() > 5.0 && p.x() < 5.4; }
+
+/// An inspector (2) in front of a wall, led by explorer 1.
+struct Life {
+  mission::Mission mission = robot::small_mission();
+  robot::Knowledge station{mission, RobotId{0}, 1}, explorer{mission, RobotId{1}, 1},
+      self{mission, RobotId{2}, 1};
+  Slei3dInspector inspector;
+  robot::Progress progress;
+
+  Life() {
+    reveal(self, {-6, -6, 0.1}, {6, 6, 7}, wall);
+    time(1);
+    mission::Plan plan;
+    plan.kind = mission::PlanKind::kAssignment;
+    plan.allocations = {{RobotId{2}, RobotId{1}, RegionId{0}, {}}};
+    station.publish(store::RecordClass::kPlan, robot::plan_key(plan.kind), plan);
+    robot::pass(station, self, store::RecordClass::kPlan);
+  }
+  void time(double s, const Vec3& p = {2, 0, 2}) {
+    be_at(station, s, {-5, 0, 0.5});
+    be_at(explorer, s, {1, 0, 2});
+    be_at(self, s, p);
+  }
+  void give(const std::vector<Vec3>& places) {
+    mission::Plan plan;
+    plan.kind = mission::PlanKind::kAllocation;
+    plan.allocations = {{RobotId{2}, RobotId{1}, RegionId{0}, {}}};
+    for (const Vec3& p : places) {
+      const std::uint64_t key = explorer.store().new_key(store::RecordClass::kArea);
+      explorer.publish(store::RecordClass::kArea, key, area_at(p, p - 2 * Vec3::UnitX()));
+      plan.allocations.push_back({RobotId{2}, RobotId{1}, RegionId{0}, {RobotId{1}, key}});
+    }
+    explorer.publish(store::RecordClass::kPlan, robot::plan_key(plan.kind), plan);
+    robot::pass(explorer, self, store::RecordClass::kArea);
+    robot::pass(explorer, self, store::RecordClass::kPlan);
+    robot::hear(self, explorer);
+  }
+  robot::Intent decide() { return inspector.decide(self, progress); }
+  void answer(mission::InspectOutcome outcome) {
+    progress.state = robot::Progress::State::kArrived;
+    progress.inspected = mission::Inspected{};
+    progress.inspected->outcome = outcome;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("an inspector gathers, inspects what it is given, and waits where its route ends") {
+  Life l;
+  CHECK(l.decide().goal.p.isApprox(gathering_place(l.mission, RegionId{0}, RobotId{2})));
+  l.give({{5, 0, 2}});
+  const robot::Intent look = l.decide();
+  REQUIRE(look.kind == Kind::kInspect);
+  const auto* route = l.self.plan(RobotId{2}, mission::PlanKind::kRoute);
+  REQUIRE(route);
+  const Vec3 end = route->body.steps.back().at.pose.p;
+
+  l.answer(mission::InspectOutcome::kFound);
+  const robot::Intent wait = l.decide();
+  CHECK(l.self.results().size() == 1);
+  CHECK(wait.kind == Kind::kGo);
+  CHECK(wait.goal.p.isApprox(end, 1e-3))  // records carry floats
+  ;
+}
+
+TEST_CASE("a refused look is followed by one from elsewhere") {
+  Life l;
+  l.give({{5, 0, 2}});
+  const robot::Intent look = l.decide();
+  l.answer(mission::InspectOutcome::kRefusedView);
+  const robot::Intent again = l.decide();
+  REQUIRE(again.kind == Kind::kInspect);
+  CHECK((again.goal.p - look.goal.p).norm() > 0.5);
+  CHECK(l.self.results().empty());
+}
+
+TEST_CASE("an area whose pose is not reached in time does not hold up the others") {
+  Life l;
+  l.give({{5, 0, 2}, {5, 3, 2}});
+  const robot::Intent look = l.decide();
+  l.progress.state = robot::Progress::State::kMoving;
+  l.time(20);
+  const robot::Intent other = l.decide();
+  REQUIRE(other.kind == Kind::kInspect);
+  CHECK_FALSE(other.area == look.area);
+}
+
+TEST_CASE("an inspector unheard for long goes back to where it started") {
+  Life l;
+  l.give({{5, 0, 2}});
+  l.decide();
+  l.answer(mission::InspectOutcome::kEmpty);
+  l.decide();
+  l.progress = {};
+  l.time(kUnheard_s + 5);
+  CHECK(l.decide().goal.p.isApprox(l.mission.robot(RobotId{2}).start.p));
+}
+
+TEST_CASE("released, an inspector goes home") {
+  Life l;
+  mission::Plan plan;
+  plan.kind = mission::PlanKind::kAllocation;
+  plan.allocations = {{RobotId{2}, RobotId{1}, kNoRegion, {}}};
+  l.explorer.publish(store::RecordClass::kPlan, robot::plan_key(plan.kind), plan);
+  robot::pass(l.explorer, l.self, store::RecordClass::kPlan);
+  const robot::Intent home = l.decide();
+  CHECK(home.activity == mission::Activity::kReturning);
+  CHECK(home.goal.p.isApprox(l.mission.robot(RobotId{2}).start.p));
+}

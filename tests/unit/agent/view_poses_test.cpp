@@ -1,0 +1,82 @@
+#include "agent/strategy/view_poses.h"
+
+#include <catch2/catch.hpp>
+
+#include "tests/unit/agent/place.h"
+
+using namespace muster;
+using namespace muster::agent;
+
+namespace {
+
+struct Place {
+  mission::Mission mission = robot::small_mission();
+  robot::Knowledge inspector{mission, RobotId{2}, 1};
+
+  explicit Place(const std::function<bool(const Vec3&)>& solid) {
+    reveal(inspector, {-6, -6, 0.1}, {6, 6, 7}, solid);
+    be_at(inspector, 1, {0, 0, 2});
+    inspector.paths().flood(inspector.position());
+  }
+  double incidence(const ViewPose& v, const mission::Area& a, const Vec3& normal) const {
+    return std::acos((v.pose.p - a.position).normalized().dot(normal));
+  }
+};
+
+bool wall(const Vec3& p) { return p.x() > 4.0 && p.x() < 4.4; }
+/// A roof that falls towards −x by one in four.
+double roof_z(const Vec3& p) { return 4.0 + 0.25 * p.x(); }
+bool roof(const Vec3& p) { return std::abs(p.z() - roof_z(p)) < 0.15; }
+
+}  // namespace
+
+TEST_CASE("a wall sighted from the side is looked at within the rule's incidence") {
+  Place p(wall);
+  const mission::Area a = area_at({4.0, 0, 2}, {2.0, 4.0, 2.2});
+  const auto v = view_pose(p.inspector, a, {});
+  REQUIRE(v);
+  CHECK(p.incidence(*v, a, -Vec3::UnitX()) < p.mission.inspect.max_incidence_rad);
+  CHECK(v->probability > 0.8);
+  CHECK(in_sight(p.inspector, a, v->pose));
+}
+
+TEST_CASE("a shallow roof is looked at from high up, on the side to which it falls") {
+  Place p(roof);
+  be_at(p.inspector, 1, {-4, 0, 5});
+  p.inspector.paths().flood(p.inspector.position());
+  const Vec3 spot(-2, 0, 3.5);
+  const mission::Area a = area_at(spot, {-4, 2.5, 5.2});
+  const auto v = view_pose(p.inspector, a, {});
+  REQUIRE(v);
+  const Vec3 normal = Vec3(-0.25, 0, 1).normalized();
+  CHECK(p.incidence(*v, a, normal) < p.mission.inspect.max_incidence_rad + 0.03);
+  CHECK(v->pose.p.x() < spot.x());
+}
+
+TEST_CASE("after a refusal the surface is believed to face elsewhere") {
+  Place p([](const Vec3&) { return false; });
+  const mission::Area a = area_at({0, 0, 2}, {-3, 0, 2});
+  SurfaceBelief belief(p.inspector.map(), a, p.mission.inspect, p.inspector.config().vehicle);
+  const Vec3 west = -Vec3::UnitX(), north = Vec3(-0.3, 1, 0).normalized();
+  const double west_before = belief.faces(west), north_before = belief.faces(north);
+  CHECK(west_before > north_before);
+  belief.refuse({west, 2});
+  CHECK(belief.faces(west) < west_before);
+  CHECK(belief.faces(north) > north_before);
+}
+
+TEST_CASE("what cannot be seen from anywhere has no pose, and a wall in between hides an area") {
+  Place p([](const Vec3& q) { return wall(q) || (q.x() > 3.0 && q.x() < 3.4); });
+  CHECK_FALSE(view_pose(p.inspector, area_at({4.0, 0, 2}, {3.7, 0, 2}), {}));
+  CHECK_FALSE(in_sight(p.inspector, area_at({4.0, 0, 2}, {3.7, 0, 2}), {{1, 0, 2}, 0}));
+}
+
+TEST_CASE("an area close to the limit of the field of view is looked at from further away") {
+  Place p([](const Vec3&) { return false; });
+  const mission::Area a = area_at({0, 0, 2}, {-3, 0, 2});
+  SurfaceBelief belief(p.inspector.map(), a, p.mission.inspect, p.inspector.config().vehicle);
+  const Vec3 steep(-std::cos(0.48), 0, std::sin(0.48));
+  CHECK(belief.in_view(steep, 3.5) > belief.in_view(steep, 1.2));
+  CHECK(belief.in_view(-Vec3::UnitX(), 2) > 0.98);
+  CHECK(belief.in_view(-Vec3::UnitX(), 5.2) < 0.1);
+}
