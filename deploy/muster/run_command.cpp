@@ -1,3 +1,4 @@
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 
@@ -23,6 +24,10 @@ int run(RunOptions& options) {
   const mission::Mission mission =
       mission::Mission::load(options.mission_file, options.overrides());
   options.validate(mission);
+  if (options.print_config) {
+    std::fputs(mission.to_yaml().c_str(), stdout);
+    return 0;
+  }
   if (options.out.empty()) options.out = "runs/" + mission.name;
   // Children, and whoever starts one by hand, may be in another directory.
   options.mission_file =
@@ -62,6 +67,8 @@ void add_run_command(CLI::App& app, Action& action) {
                    "KEY=VALUE: overrides a key of the mission file (radio.range_m=8); repeatable")
       ->expected(1)
       ->take_all();
+  command->add_flag("--print-config", o->print_config,
+                    "print the mission with every key, as it would be flown, and end");
   command->add_option("--external", o->external, "robots that you start yourself, by id")
       ->delimiter(',');
   command->add_option("--out", o->out, "directory for the results (default: runs/<mission name>)");

@@ -23,6 +23,7 @@ struct RunOptions {
   std::string out;  ///< default: runs/<mission name>
   std::optional<std::uint32_t> domain;
   double duration_s = 0;
+  bool print_config = false;
   bool json = false;
   bool report = true;
 
