@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "common/core/log.h"
 #include "common/robot/stopwatch.h"
@@ -16,10 +17,17 @@ constexpr double kNearFlood_m =
 constexpr double kDetour = 1.25;  // path over straight line, where only the straight line is known
 constexpr double kBlocked_s = 3;
 constexpr double kBarred_s = 25;
-constexpr double kDecide_s = 1.0;
-constexpr double kSurfaceStay_s = 7;  // a look comes every 2 s: at most three from one place
-constexpr double kSurfaceWaits_s = 8, kGainWorth_sPerM2 = 0.2, kGainCap_m2 = 6;
-constexpr std::uint32_t kNearest = 7;  // FIELD-NOTES: FF3E exact for at most 7 nearest clusters
+constexpr double kPatience = 2;  // times what the way should take, and a stay
+constexpr double kRefresh_s = 1.2;
+constexpr double kSurfaceStay_s = 7;     // a look comes every 2 s: at most three from one place
+constexpr double kLeftover = 4;          // m³ that a cluster is worth for being done with
+constexpr double kDepth_m = 2.5;         // unknown volume behind a frontier, over its area
+constexpr double kProgress = 0.3;        // of the looks that were promised: less was in vain
+constexpr double kStop_s = 1;            // to look, beside the way
+constexpr std::size_t kLookedInto = 12;  // viewpoints of clusters, per decision
+constexpr double kUsedUp = 0.35;         // of its value at choice: on to the next
+constexpr double kComparable = 0.9;      // of the best rate: these are put in order
+constexpr std::uint32_t kNearest = 7;    // FIELD-NOTES: FF3E exact for at most 7 nearest clusters
 
 map::TargetConfig target_config(const mission::Mission& mission, const mission::Vehicle& vehicle) {
   map::TargetConfig c;
@@ -36,7 +44,10 @@ Exploration::Exploration(robot::Knowledge& k, RegionId region)
       since_(k.now()),
       targets_(k.map(), k.mission().boxes.at(region.value),
                target_config(k.mission(), k.config().vehicle)),
-      watched_(k.map().watch(k.mission().boxes.at(region.value))) {}
+      vantages_(k.mission().boxes.at(region.value), k.map()),
+      watched_(k.map().watch(k.mission().boxes.at(region.value))),
+      look_period_s_(1 / k.mission().sensing.sighting_rate_hz),
+      last_look_(k.now()) {}
 
 void Exploration::on_scan(robot::Knowledge& k, const mission::Scan& scan) {
   (void)k;
@@ -44,25 +55,40 @@ void Exploration::on_scan(robot::Knowledge& k, const mission::Scan& scan) {
   ++scans_;
 }
 
-bool Exploration::barred(const Vec3& p, SimTime now) const {
-  return std::any_of(barred_.begin(), barred_.end(),
-                     [&](const auto& b) { return b.second > now && (b.first - p).norm() < 0.7; });
+void Exploration::on_look(const robot::Knowledge& k, const mission::Sightings& sightings) {
+  targets_.looked(sightings.sensor, sightings.pitch_rad);
+  last_look_ = k.now();
+  ++looks_;
 }
 
-robot::Intent Exploration::fly_to(const map::Viewpoint& v) const {
+ViewPrice Exploration::price(const robot::Knowledge& k) const {
+  (void)k;
+  ViewPrice p;
+  p.look_period_s = look_period_s_;
+  p.next_look = last_look_ + Duration::from_s(look_period_s_);
+  return p;
+}
+
+bool Exploration::barred(const Pose& pose, SimTime now) const {
+  return std::any_of(barred_.begin(), barred_.end(), [&](const Barred& b) {
+    return b.until > now && (b.pose.p - pose.p).norm() < 0.7 &&
+           std::abs(wrap_angle(b.pose.yaw_rad - pose.yaw_rad)) < b.off_rad;
+  });
+}
+
+robot::Intent Exploration::fly_to(const Goal& goal) const {
   robot::Intent intent;
   intent.kind = robot::Intent::Kind::kGo;
-  intent.goal = v.pose;
+  intent.goal = goal.view.pose;
   intent.use_yaw = true;
   intent.activity = mission::Activity::kExploring;
-  intent.reason = v.surface
-                      ? "looking once more at surfaces of region " + std::to_string(region_.value)
-                      : "frontier of region " + std::to_string(region_.value);
+  intent.reason = goal.view.look ? "looking at surfaces of region " + std::to_string(region_.value)
+                                 : "frontier of region " + std::to_string(region_.value);
   return intent;
 }
 
-/// Brings the targets up to date. Thorough: reachability by a full flood instead of one of the
-/// surroundings.
+/// Brings clusters and their viewpoints up to date. Thorough: reachability by a full flood instead
+/// of one of the surroundings.
 void Exploration::refresh(robot::Knowledge& k, bool thorough,
                           std::vector<mission::PlanningTime>& planning) {
   const robot::Stopwatch watch(planning, mission::PlanningStep::kFrontier);
@@ -72,80 +98,146 @@ void Exploration::refresh(robot::Knowledge& k, bool thorough,
   targets_.update([&](const Vec3& p) {
     if (!thorough && (p - here).norm() > kNearFlood_m / kDetour)
       return true;  // told by the thorough round
-    return paths.reached(p);
+    return straight(k.map(), here, p) || paths.reached(p);
   });
   refreshed_scans_ = scans_;
+  settled_ = scans_ + looks_;
+}
+
+/// What it promised has been seen on the way.
+bool Exploration::used_up() const {
+  const map::Worth left = targets_.worth(goal_->view.pose);
+  const ViewPrice p;
+  const double value = left.unknown_m3 + (goal_->view.look ? p.owed_weight * left.owed_m2 : 0);
+  return value < kUsedUp * goal_->view.value;
 }
 
 bool Exploration::worth_keeping(const robot::Knowledge& k, const robot::Progress& progress) {
   if (!goal_) return false;
+  const Pose& pose = goal_->view.pose;
   if (progress.blocked_s > kBlocked_s) {
-    barred_.push_back({goal_->pose.p, k.now() + Duration::from_s(kBarred_s)});
+    barred_.push_back({pose, std::numbers::pi + 1, k.now() + Duration::from_s(kBarred_s)});
     return false;
   }
-  const map::Viewpoint* still = nullptr;
-  for (const map::Viewpoint& v : targets_.viewpoints()) {
-    const bool same = v.surface == goal_->surface && (v.pose.p - goal_->pose.p).norm() < 0.7 &&
-                      std::abs(wrap_angle(v.pose.yaw_rad - goal_->pose.yaw_rad)) < 0.6;
-    if (same && (!still || v.gain > still->gain)) still = &v;
+  if (k.now() > give_up_) {
+    barred_.push_back({pose, std::numbers::pi + 1, k.now() + Duration::from_s(kBarred_s)});
+    return false;
   }
+  bool still = !goal_->cluster;
+  for (const map::Viewpoint& v : targets_.viewpoints()) {
+    still = still || (v.surface == goal_->surface && (v.pose.p - pose.p).norm() < 0.7 &&
+                      std::abs(wrap_angle(v.pose.yaw_rad - pose.yaw_rad)) < 0.6);
+  }
+  if (goal_->cluster ? !still : used_up()) return false;
   if (progress.state != robot::Progress::State::kArrived) {
     arrived_.reset();
-    return still != nullptr;
+    return true;
   }
   if (!arrived_) {
     arrived_ = k.now();
     arrived_scans_ = scans_;
+    arrived_looks_ = looks_;
+    arrived_counted_ = targets_.looks_counted();
   }
-  if (goal_->surface) return still && (k.now() - *arrived_).s() < kSurfaceStay_s;
-  return scans_ < arrived_scans_ + 1;  // one scan from here, taken at rest
+  if (goal_->view.look && (k.now() - *arrived_).s() < kSurfaceStay_s) {
+    if (looks_ == arrived_looks_) return true;
+  } else if (scans_ == arrived_scans_) {
+    return true;  // one scan from here, taken at rest
+  }
+  // It did all it could. What it promised and did not show, it will not show next time either.
+  const bool no_volume =
+      !goal_->cluster && targets_.worth(pose).unknown_m3 > 0.5 * goal_->view.worth.unknown_m3;
+  const double cell_m2 = std::pow(k.map().config().resolution_m, 2);
+  const double counted_m2 =
+      static_cast<double>(targets_.looks_counted() - arrived_counted_) * cell_m2;
+  if (goal_->view.look ? counted_m2 < kProgress * goal_->view.worth.owed_m2 + 0.1 : no_volume)
+    barred_.push_back({pose, 0.5, k.now() + Duration::from_s(kBarred_s)});
+  return false;
+}
+
+std::vector<Exploration::Goal> Exploration::candidates(robot::Knowledge& k) {
+  const ViewPrice p = price(k);
+  const SimTime now = k.now();
+  const Vec3 here = k.position();
+  std::vector<Goal> result;
+  for (const View& v : vantages_.best(k, targets_, p, kNearest,
+                                      [&](const Pose& pose) { return barred(pose, now); })) {
+    result.push_back({v, false, false});
+  }
+  // Paths and views are worked out for those that may be the best: by their clusters' area and the
+  // straight way.
+  struct Rough {
+    double rate;
+    const map::Viewpoint* v;
+  };
+  std::vector<Rough> rough;
+  for (const map::Viewpoint& v : targets_.viewpoints()) {
+    if (barred(v.pose, now)) continue;
+    const double value = kLeftover + (v.surface ? p.owed_weight : kDepth_m) * v.gain;
+    const double way_s =
+        travel_time_s((v.pose.p - here).norm(), v.pose.p - here, k.limits()) + kStop_s;
+    rough.push_back({value / way_s, &v});
+  }
+  std::stable_sort(rough.begin(), rough.end(),
+                   [](const Rough& a, const Rough& b) { return a.rate > b.rate; });
+  rough.resize(std::min(rough.size(), kLookedInto));
+  for (const Rough& r : rough) {
+    const map::Viewpoint& v = *r.v;
+    map::Worth worth = targets_.worth(v.pose);
+    if (!v.surface || worth.owed_m2 > 0.3 * v.gain) worth.unknown_m3 += kLeftover;
+    const Vec3 d = v.pose.p - here;
+    double way_m = d.norm();
+    if (!straight(k.map(), here, v.pose.p)) {
+      const double path_m =
+          way_m < kNearFlood_m / kDetour ? k.paths().flood_distance(v.pose.p) : kDetour * way_m;
+      way_m = std::isfinite(path_m) ? path_m : 1.5 * kDetour * way_m;
+    }
+    const double arrive_s = flight_s(way_m, d, k.odometry().pose.yaw_rad, v.pose.yaw_rad,
+                                     k.limits(), k.odometry().velocity_mps);
+    View view = agent::price(v.pose, worth, arrive_s, now, p);
+    view.look = view.look || v.surface;
+    result.push_back({view, true, v.surface});
+  }
+  std::stable_sort(result.begin(), result.end(),
+                   [](const Goal& a, const Goal& b) { return a.view.rate > b.view.rate; });
+  if (result.size() > kNearest) result.resize(kNearest);
+  while (result.size() > 1 && result.back().view.rate < kComparable * result[0].view.rate)
+    result.pop_back();
+  return result;
 }
 
 bool Exploration::choose(robot::Knowledge& k, double budget_s, const Vec3& meeting,
                          std::vector<mission::PlanningTime>& planning) {
   const robot::Stopwatch watch(planning, mission::PlanningStep::kExplore);
-  struct Candidate {
-    const map::Viewpoint* v;
-    double travel_s;
-  };
-  const nav::Limits& limits = k.limits();
-  const auto seconds = [&](const Vec3& a, const Vec3& b) {
-    return nav::travel_time_s(kDetour * (a - b).norm(), limits);
-  };
-  std::vector<Candidate> candidates;
-  for (const map::Viewpoint& v : targets_.viewpoints()) {
-    if (barred(v.pose.p, k.now())) continue;
-    const double path_m = k.paths().flood_distance(v.pose.p);
-    const double travel_s = std::isfinite(path_m) ? nav::travel_time_s(path_m, limits)
-                                                  : 1.5 * seconds(k.position(), v.pose.p);
-    const double turn_s =
-        std::abs(wrap_angle(v.pose.yaw_rad - k.odometry().pose.yaw_rad)) / limits.yaw_rate_radps;
-    // Places are ranked by the time they cost: gain is worth a detour, a surface waits while
-    // frontiers are near.
-    const double wait_s = v.surface ? kSurfaceWaits_s : 0;
-    const double worth_s = kGainWorth_sPerM2 * std::min(v.gain, kGainCap_m2);
-    candidates.push_back({&v, std::max(0.05, std::max(travel_s, turn_s) + wait_s - worth_s)});
-  }
-  if (candidates.empty()) return false;
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& a, const auto& b) { return a.travel_s < b.travel_s; });
-  candidates.resize(std::min<std::size_t>(candidates.size(), kNearest));
+  std::erase_if(barred_, [&](const Barred& b) { return b.until <= k.now(); });
+  const std::vector<Goal> goals = candidates(k);
+  if (goals.empty()) return false;
 
-  const std::size_t n = candidates.size();
+  const std::size_t n = goals.size();
   route::OrderProblem problem;
   problem.budget_s = budget_s;
   problem.meeting = std::isfinite(budget_s);
   const std::size_t size = n + 1 + (problem.meeting ? 1 : 0);
   problem.travel_s.assign(size, std::vector<double>(size, 0));
-  const auto place = [&](std::size_t i) {
-    return i == 0 ? k.position() : i <= n ? candidates[i - 1].v->pose.p : meeting;
+  const auto seconds = [&](const Pose& a, const Vec3& b, double yaw_rad) {
+    return flight_s(kDetour * (b - a.p).norm(), b - a.p, a.yaw_rad, yaw_rad, k.limits());
   };
-  for (std::size_t i = 0; i < size; ++i) {
-    for (std::size_t j = 0; j < size; ++j) problem.travel_s[i][j] = seconds(place(i), place(j));
+  for (std::size_t i = 1; i <= n; ++i) {
+    const Pose& from = goals[i - 1].view.pose;
+    problem.travel_s[0][i] = problem.travel_s[i][0] = goals[i - 1].view.arrive_s;
+    for (std::size_t j = 1; j <= n; ++j) {
+      const Pose& to = goals[j - 1].view.pose;
+      if (i != j) problem.travel_s[i][j] = seconds(from, to.p, to.yaw_rad);
+    }
+    if (problem.meeting) {
+      problem.travel_s[i][n + 1] = problem.travel_s[n + 1][i] =
+          seconds(from, meeting, from.yaw_rad);
+    }
+    problem.gain.push_back(goals[i - 1].view.value);
   }
-  for (std::size_t i = 0; i < n; ++i) {
-    problem.travel_s[0][i + 1] = problem.travel_s[i + 1][0] = candidates[i].travel_s;
-    problem.gain.push_back(candidates[i].v->gain);
+  if (problem.meeting) {
+    problem.travel_s[0][n + 1] = problem.travel_s[n + 1][0] =
+        seconds(k.odometry().pose, meeting, k.odometry().pose.yaw_rad);
   }
   // Alg. 1 takes the longest way that still makes the meeting. That is only sensible when not
   // everything can be visited before it; otherwise the shortest way through all of it leaves more
@@ -153,14 +245,13 @@ bool Exploration::choose(robot::Knowledge& k, double budget_s, const Vec3& meeti
   const route::Order all = route::shortest_order(problem);
   const route::Order order = all.length_s <= budget_s ? all : route::ff3e(problem, kNearest);
   if (order.visit.empty()) return false;
-  goal_ = *candidates[order.visit.front()].v;
-  log::debug(
-      "choose {} gain {:.2f} travel {:.1f} of {} (nearest {:.1f}) known {:.0f} frontier {:.0f} "
-      "owed {:.0f} d {:.2f}",
-      goal_->surface ? "S" : "F", goal_->gain, candidates[order.visit.front()].travel_s,
-      targets_.viewpoints().size(), candidates[0].travel_s, known_m3(k), targets_.frontier_m2(),
-      targets_.owed_surface_m2(), (goal_->pose.p - k.position()).norm());
+  goal_ = goals[order.visit.front()];
+  log::debug("choose {}{} value {:.1f} rate {:.1f} (best {:.1f}) in {:.1f} s; known {:.0f}",
+             goal_->cluster ? "cluster" : "place", goal_->view.look ? " look" : "",
+             goal_->view.value, goal_->view.rate, goals[0].view.rate, goal_->view.arrive_s,
+             known_m3(k));
   arrived_.reset();
+  give_up_ = k.now() + Duration::from_s(kPatience * goal_->view.arrive_s + kSurfaceStay_s);
   return true;
 }
 
@@ -168,16 +259,20 @@ std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot:
                                                double budget_s, const Vec3& meeting,
                                                std::vector<mission::PlanningTime>& planning) {
   const SimTime now = k.now();
-  const bool fresh = scans_ != refreshed_scans_;
-  const bool due = fresh && (now >= decide_again_ ||
-                             progress.state == robot::Progress::State::kArrived || !goal_);
-  if (due) {
-    refresh(k, thorough_, planning);
-    decide_again_ = now + Duration::from_s(kDecide_s);
-  }
-  if (due || progress.blocked_s > kBlocked_s) {
+  const bool news = scans_ + looks_ != settled_;
+  if (news || progress.blocked_s > kBlocked_s) {
+    if (news) {
+      const robot::Stopwatch watch(planning, mission::PlanningStep::kFrontier);
+      targets_.settle();
+      settled_ = scans_ + looks_;
+    }
     if (!worth_keeping(k, progress)) {
       goal_.reset();
+      const bool due = scans_ != refreshed_scans_ && now >= refresh_again_;
+      if (due) {
+        refresh(k, thorough_, planning);
+        refresh_again_ = now + Duration::from_s(kRefresh_s);
+      }
       if (choose(k, budget_s, meeting, planning)) {
         empty_rounds_ = 0;
         thorough_ = false;
@@ -185,7 +280,9 @@ std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot:
         // Nothing near: look again with reachability known everywhere before saying so.
         const bool was_thorough = std::exchange(thorough_, true);
         entered_ = entered_ || known_m3(k) > 1.0;
-        if (was_thorough && entered_ && targets_.done() && ++empty_rounds_ >= 2) done_ = true;
+        if (was_thorough && entered_ && targets_.done() && ++empty_rounds_ >= 2) {
+          done_ = true;
+        }
       }
     }
   }

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "agent/strategy/vantages.h"
 #include "common/map/targets.h"
 #include "common/robot/knowledge.h"
 #include "common/robot/strategy.h"
@@ -27,9 +28,7 @@ class Exploration {
   const map::Targets& targets() const { return targets_; }
 
   void on_scan(robot::Knowledge& knowledge, const mission::Scan& scan);
-  void on_look(const mission::Sightings& sightings) {
-    targets_.looked(sightings.sensor, sightings.pitch_rad);
-  }
+  void on_look(const robot::Knowledge& knowledge, const mission::Sightings& sightings);
 
   /// Where to fly next: the first of FF3E's order, kept until it is reached and seen, or has
   /// nothing left to show. nullopt: nothing is left that can be reached (see done), or nothing is
@@ -40,27 +39,43 @@ class Exploration {
                                     std::vector<mission::PlanningTime>& planning);
 
  private:
+  struct Goal {
+    View view;
+    bool cluster = false;  ///< a viewpoint of Targets, not only a place with a view
+    bool surface = false;
+  };
+  ViewPrice price(const robot::Knowledge& k) const;
   bool worth_keeping(const robot::Knowledge& k, const robot::Progress& progress);
+  bool used_up() const;
   void refresh(robot::Knowledge& k, bool thorough, std::vector<mission::PlanningTime>& planning);
+  std::vector<Goal> candidates(robot::Knowledge& k);
   bool choose(robot::Knowledge& k, double budget_s, const Vec3& meeting,
               std::vector<mission::PlanningTime>& planning);
-  bool barred(const Vec3& p, SimTime now) const;
-  robot::Intent fly_to(const map::Viewpoint& v) const;
+  bool barred(const Pose& pose, SimTime now) const;
+  robot::Intent fly_to(const Goal& goal) const;
 
   RegionId region_;
   SimTime since_;
   map::Targets targets_;
+  Vantages vantages_;
   std::size_t watched_;
-  std::optional<map::Viewpoint> goal_;
+  double look_period_s_;
+  std::optional<Goal> goal_;
   std::optional<SimTime> arrived_;
-  std::uint64_t scans_ = 0, refreshed_scans_ = 0, arrived_scans_ = 0;
-  SimTime decide_again_;
+  std::uint64_t scans_ = 0, looks_ = 0;  // heard so far
+  std::uint64_t settled_ = 0, refreshed_scans_ = 0, arrived_scans_ = 0, arrived_looks_ = 0,
+                arrived_counted_ = 0;
+  SimTime last_look_, refresh_again_, give_up_;
   bool thorough_ = false;
   bool entered_ = false;  // something of the box is known
   bool done_ = false;
   int empty_rounds_ = 0;
-  std::vector<std::pair<Vec3, SimTime>>
-      barred_;  // viewpoints that could not be reached, until when
+  struct Barred {
+    Pose pose;
+    double off_rad;  // headings within this of the pose's
+    SimTime until;
+  };
+  std::vector<Barred> barred_;  // could not be reached, or did not show what they promised
 };
 
 }  // namespace muster::agent

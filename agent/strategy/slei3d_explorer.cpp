@@ -29,7 +29,7 @@ Slei3dExplorer::Slei3dExplorer(const mission::Mission& mission, RobotId self)
 
 void Slei3dExplorer::on_sightings(robot::Knowledge& k, const mission::Sightings& sightings) {
   if (!exploration_) return;
-  exploration_->on_look(sightings);
+  exploration_->on_look(k, sightings);
   fitter_.take(k, sightings, exploration_->region());
 }
 

@@ -146,6 +146,14 @@ void RegionCells::recompute(std::size_t index) {
     frontier[w] = free[w] & slot.inside[w] & beside_unknown[w] & ~slot.given_up[w];
     owed[w] = view.occupied[w] & slot.high_enough[w] & beside_free[w] & ~slot.seen[w] & ~credit[w];
   }
+  if (looks_ > 0) {
+    Plane fresh;
+    for (std::size_t w = 0; w < 64; ++w) {
+      fresh[w] = owed[w] & ~slot.told[w];
+      slot.told[w] |= owed[w];
+    }
+    for_each_bit(fresh, [&](int i) { new_surface_.push_back(voxel_in(slot.key, i)); });
+  }
   frontier_.set(index, frontier);
   owed_.set(index, looks_ == 0 ? kNothing : owed);
 }
@@ -164,6 +172,7 @@ void RegionCells::count_look(VoxelKey k) {
   Slot& slot = slots_[index];
   if (slot.looks.empty()) slot.looks.assign(kBlockVoxels, 0);
   std::uint8_t& n = slot.looks[static_cast<std::size_t>(local_index(k))];
+  if (n < looks_) ++looks_counted_;
   if (n < 255 && ++n == looks_) {
     put(slot.seen, local_index(k), true);
     mark_around(index);

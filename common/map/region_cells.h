@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "common/map/cell_clusters.h"
@@ -31,10 +32,25 @@ class RegionCells {
     const std::size_t i = index_of(block_of(k));
     return i != kNone && bit(slots_[i].unknown, local_index(k));
   }
+  /// How many looks this voxel is still owed; 0 when it is not owed any.
+  std::uint32_t looks_owed(VoxelKey k) const {
+    const std::size_t i = index_of(block_of(k));
+    if (i == kNone || !bit(owed_.marks(i), local_index(k))) return 0;
+    const auto& looks = slots_[i].looks;
+    return looks_ - (looks.empty() ? 0 : looks[static_cast<std::size_t>(local_index(k))]);
+  }
+  std::uint64_t looks_counted() const { return looks_counted_; }
+  bool given_up(VoxelKey k) const {
+    const std::size_t i = index_of(block_of(k));
+    return i != kNone && bit(slots_[i].given_up, local_index(k));
+  }
   /// A scan should have resolved this frontier voxel and did not. After a few times it is given up.
   void looked_in_vain(VoxelKey frontier);
   /// This surface voxel was in view at a look of the detector.
   void count_look(VoxelKey surface);
+  /// Surface voxels that came to be owed looks since the last call: earlier looks may have had them
+  /// in view before they were known. Every voxel is told of once.
+  std::vector<VoxelKey> take_new_surface() { return std::exchange(new_surface_, {}); }
   /// Applies what `looked_in_vain` and `count_look` noted.
   void settle();
 
@@ -55,7 +71,7 @@ class RegionCells {
   struct Slot {
     BlockKey key;
     Plane inside{}, unknown{}, high_enough{};
-    Plane given_up{}, seen{};
+    Plane given_up{}, seen{}, told{};
     std::map<int, std::uint8_t> vain;  ///< few
     std::vector<std::uint8_t> looks;   ///< empty until the first
     int known = 0;
@@ -80,7 +96,8 @@ class RegionCells {
   int nx_ = 0, ny_ = 0, nz_ = 0;
   CellClusters::Neighbours neighbours_;
   CellClusters frontier_, owed_;
-  std::uint64_t cursor_ = 0, growth_ = 0;
+  std::vector<VoxelKey> new_surface_;
+  std::uint64_t cursor_ = 0, growth_ = 0, looks_counted_ = 0;
 };
 
 }  // namespace muster::map

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
+#include "common/map/panorama.h"
 #include "common/map/region_cells.h"
 #include "common/map/visibility.h"
 
@@ -41,7 +43,11 @@ bool similar(std::size_t a, std::size_t b) { return std::max(a, b) * 10 <= std::
 
 struct Targets::Impl {
   Impl(const VoxelMap& m, const Box& b, const TargetConfig& c)
-      : map(m), config(c), cells(m, b, c.looks, c.max_cluster_extent_m), search(m, cells, c) {}
+      : map(m),
+        config(c),
+        cells(m, b, c.looks, c.max_cluster_extent_m),
+        search(m, cells, c),
+        panorama(m, cells, c) {}
 
   struct Look {
     Pose sensor;
@@ -52,9 +58,10 @@ struct Targets::Impl {
   TargetConfig config;
   RegionCells cells;
   ViewpointSearch search;
+  PanoramaReader panorama;
   std::vector<Pose> scans;
   Vec3 last_seen_from = Vec3::Zero();
-  std::vector<Look> looks;
+  std::vector<Look> looks, past_looks;
   std::vector<Tracked> frontier, owed;
   std::uint32_t next_id = 1;
   std::vector<Viewpoint> viewpoints;
@@ -74,6 +81,7 @@ struct Targets::Impl {
 
   void take_scans();
   void take_looks();
+  void credit_past_looks();
   void visit(std::vector<Tracked>& clusters, const Pose& sensor,
              const std::vector<VoxelKey>& progress);
   void track(CellClusters& source, bool surface, std::vector<Tracked>& tracked);
@@ -110,7 +118,25 @@ void Targets::Impl::take_looks() {
     for (const VoxelKey& k : seen) cells.count_look(k);
     visit(owed, look.sensor, seen);
   }
+  past_looks.insert(past_looks.end(), looks.begin(), looks.end());
   looks.clear();
+}
+
+/// A surface that has just become known may have been in view of the detector before: the last
+/// looks count for it as well.
+void Targets::Impl::credit_past_looks() {
+  const FieldOfView fov = search.reliable(true);
+  for (const VoxelKey& k : cells.take_new_surface()) {
+    const Vec3 p = map.center(k);
+    std::optional<Aim> aim;
+    for (std::size_t i = past_looks.size(); i-- > 0 && cells.looks_owed(k) > 0;) {
+      const Look& look = past_looks[i];
+      if ((p - look.sensor.p).squaredNorm() > fov.range_m * fov.range_m) continue;
+      if (!fov.contains(look.sensor, look.pitch_rad, p)) continue;
+      if (!aim) aim = surface_aim(map, k);
+      if (sighted(map, *aim, look.sensor.p, fov.range_m)) cells.count_look(k);
+    }
+  }
 }
 
 void Targets::Impl::visit(std::vector<Tracked>& clusters, const Pose& sensor,
@@ -296,12 +322,21 @@ void Targets::looked(const Pose& sensor, double pitch_rad) {
 }
 void Targets::scanned(const Pose& sensor) { impl_->scans.push_back(sensor); }
 
-void Targets::update(const std::function<bool(const Vec3&)>& reachable) {
+void Targets::settle() {
   Impl& t = *impl_;
   t.cells.update();
   t.take_scans();
+  t.credit_past_looks();
   t.take_looks();
   t.cells.settle();
+}
+
+Panorama Targets::panorama(const Vec3& eye) const { return impl_->panorama.around(eye); }
+Worth Targets::worth(const Pose& pose) const { return impl_->panorama.at(pose); }
+
+void Targets::update(const std::function<bool(const Vec3&)>& reachable) {
+  settle();
+  Impl& t = *impl_;
   t.track(t.cells.frontier(), false, t.frontier);
   t.track(t.cells.owed(), true, t.owed);
   t.drop_blocked_views(t.frontier);
@@ -315,5 +350,6 @@ const std::vector<Refused>& Targets::refused() const { return impl_->refused; }
 bool Targets::done() const { return impl_->done; }
 double Targets::frontier_m2() const { return impl_->frontier_m2; }
 double Targets::owed_surface_m2() const { return impl_->owed_m2; }
+std::uint64_t Targets::looks_counted() const { return impl_->cells.looks_counted(); }
 
 }  // namespace muster::map

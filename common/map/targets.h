@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,20 @@ struct Viewpoint {
   bool surface = false;  ///< false: a frontier; true: surface that the feature detector has not
                          ///< looked at often enough
   std::uint32_t cluster = 0;
+};
+
+/// What the camera would newly show from a pose, as far as the map can tell.
+struct Worth {
+  double unknown_m3 = 0;  ///< unknown volume of the box, if what is unknown were nearly empty
+  double owed_m2 = 0;     ///< surface still owed looks, as seen from there (one look)
+};
+
+/// The worth of every heading at one spot.
+struct Panorama {
+  static constexpr int kHeadings = 24;
+  std::array<Worth, kHeadings> headings;
+  /// Middle of the view at heading `i`.
+  static double yaw_rad(int i) { return (i - 0.5) * 2 * std::numbers::pi / kHeadings; }
 };
 
 struct Refused {
@@ -62,6 +78,14 @@ class Targets {
   /// (cheap; called for candidates only).
   void update(const std::function<bool(const Vec3&)>& reachable);
 
+  /// Takes in what the last scans and looks changed, without clusters and viewpoints: enough for
+  /// `panorama` and `worth`, and far cheaper than `update`.
+  void settle();
+  /// What is left to see from a spot, in every direction; at one heading. As of the last `settle`
+  /// or `update`.
+  Panorama panorama(const Vec3& eye) const;
+  Worth worth(const Pose& pose) const;
+
   /// The best viewpoint(s) of every cluster, frontier and surface, ordered by cluster.
   const std::vector<Viewpoint>& viewpoints() const;
   /// Clusters without a viewpoint, with the reason: they no longer keep the region from being
@@ -73,6 +97,8 @@ class Targets {
   bool done() const;
   double frontier_m2() const;
   double owed_surface_m2() const;
+  /// Looks at surface voxels that counted, so far.
+  std::uint64_t looks_counted() const;
 
  private:
   struct Impl;

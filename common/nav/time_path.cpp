@@ -19,6 +19,8 @@ constexpr double kLookingAway =
     65 * kDegree;                    ///< so is a velocity that the camera does not look along
 constexpr double kReaction_s = 0.2;  ///< sensing and deciding, before braking begins
 constexpr double kStill_mps = 1e-6;
+constexpr double kAtRest_mps =
+    2e-3;  ///< what rounding leaves of a stop; a bend begun at it would never end
 constexpr double kApart_m = 1e-3;
 
 /// Speed from which the vehicle can react and stop within `see_m`.
@@ -146,7 +148,7 @@ std::optional<std::vector<State>> drive(const Course& course, const State& now,
   // rounding.
   for (const double brake : {0.95, 1.0, 1.015}) {
     const Rates rates{limits.accel_mps2, limits.accel_mps2 * brake};
-    const auto speeds = node_speeds(course, v0 > kStill_mps ? v0 : 0, rates);
+    const auto speeds = node_speeds(course, v0 > kAtRest_mps ? v0 : 0, rates);
     if (speeds.empty()) continue;
     Writer writer(now, limits.yaw_rate_radps);
     for (std::size_t k = 0; k < course.pieces.size(); ++k) {
@@ -231,7 +233,7 @@ std::optional<std::vector<State>> try_flowing(const Path& path, const TimingRequ
   auto points = from_here(path, now.p);
   CourseRequest course;
   course.speed_mps = now.v_mps.norm();
-  if (course.speed_mps > kStill_mps) {
+  if (course.speed_mps > kAtRest_mps) {
     if (points.size() < 2) return std::nullopt;
     auto start = flowing_start(points, now, limits);
     if (!start) return std::nullopt;
