@@ -18,7 +18,7 @@ constexpr double kLeaveMargin_s = 4;
 constexpr double kDetour = 1.4;
 constexpr double kTellEvery_s = 5;
 constexpr double kTalkDistance_m = 3.5;  // well inside the radio's range
-constexpr double kCollect_s = 30, kSoonest_s = 40;
+constexpr double kCollect_s = 30, kSoonest_s = 50;
 constexpr double kCornerInset_m = 0.6;
 constexpr double kMeetingHeight_m = 1.2;
 
@@ -339,7 +339,7 @@ std::optional<robot::Intent> Slei3dExplorer::visit(robot::Knowledge& k,
 /// Before going home: the inspectors hear that it is over.
 std::optional<robot::Intent> Slei3dExplorer::say_farewell(robot::Knowledge& k,
                                                           const robot::Progress& progress) {
-  if (subgroup_.all_informed(k)) return std::nullopt;
+  if (subgroup_.all_informed()) return std::nullopt;
   return visit(k, progress);
 }
 

@@ -11,9 +11,9 @@ namespace muster::agent {
 namespace {
 
 constexpr double kBlockedPose_s = 4;
-constexpr int kMaxAttempts = 14;  // looks in vain before an area is reported as not to be seen
+constexpr int kMaxAttempts = 12;  // looks in vain before an area is reported as not to be seen
 constexpr int kLooksInARow = 3;
-constexpr double kRetryArea_s = 20;  // the map grows meanwhile
+constexpr double kRetryArea_s = 12;  // the map grows meanwhile
 constexpr double kMoved_m = 0.4, kStuck_s = 10;
 constexpr double kRouteAgain_s = 4;  // while the explorer listens
 constexpr double kDetour = 1.3;
@@ -96,7 +96,7 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
   if (current_) {
     const bool refused =
         progress.inspected && progress.inspected->outcome == mission::InspectOutcome::kRefusedView;
-    const bool hidden = progress.state != robot::Progress::State::kArrived &&
+    const bool hidden = progress.state != robot::Progress::State::kArrived && !view_.seen &&
                         !in_sight(k, k.areas().at(*current_).area, view_.pose);
     const bool arrived = progress.state == robot::Progress::State::kArrived;
     if (arrived || (k.position() - moved_to_).norm() > kMoved_m) {
@@ -143,7 +143,7 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
 bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& ref) {
   const robot::Stopwatch watch(planning_, mission::PlanningStep::kPath);
   k.paths().flood(k.position());
-  const auto view = view_pose(k, k.areas().at(ref).area, refused_[ref]);
+  const auto view = view_pose(k, k.areas().at(ref).area, refused_[ref], attempts_[ref]);
   if (view) {
     view_ = *view;
     current_ = ref;
@@ -235,8 +235,8 @@ Vec3 Slei3dInspector::route_end(robot::Knowledge& k, const Orders& o) const {
   const mission::Area& area = k.areas().at(ref).area;
   const auto refused = refused_.find(ref);
   k.paths().flood(k.position());
-  if (const auto view = view_pose(
-          k, area, refused == refused_.end() ? std::vector<RefusedLook>{} : refused->second))
+  const std::vector<RefusedLook> none;
+  if (const auto view = view_pose(k, area, refused == refused_.end() ? none : refused->second, 0))
     return view->pose.p;
   for (const double m : {1.5, 2.0, 2.5, 1.0, 3.0, 4.0}) {
     const Vec3 p = area.position + m * (area.sighted_from.p - area.position).normalized();

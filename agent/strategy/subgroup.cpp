@@ -35,7 +35,7 @@ void Subgroup::update(robot::Knowledge& k, RegionId region) {
       if (!k.mission().has(a.robot) || k.mission().robot(a.robot).role != mission::Role::kInspector)
         continue;
       if (a.leader == k.self())
-        mates_.try_emplace(a.robot, Mate{a.robot, k.now(), k.now()});
+        mates_.try_emplace(a.robot, Mate{a.robot, k.now(), k.now(), {}});
       else
         mates_.erase(a.robot);
     }
@@ -48,6 +48,7 @@ void Subgroup::update(robot::Knowledge& k, RegionId region) {
     mate.lost = false;
     if (!k.knows(id, store::RecordClass::kPlan, robot::plan_key(mission::PlanKind::kAllocation)))
       continue;
+    mate.told = published_region_;
     for (const auto& [ref, to] : given_) {
       if (to == id) heard_.insert(ref);
     }
@@ -163,11 +164,15 @@ bool Subgroup::settled(const robot::Knowledge& k, RobotId id) const {
          });
 }
 
-bool Subgroup::all_informed(const robot::Knowledge& k) const {
-  return std::all_of(mates_.begin(), mates_.end(), [&](const auto& m) {
-    return m.second.lost || k.knows(m.first, store::RecordClass::kPlan,
-                                    robot::plan_key(mission::PlanKind::kAllocation));
-  });
+bool Subgroup::informed(RobotId id) const {
+  return mates_.at(id).told == published_region_ &&
+         std::all_of(given_.begin(), given_.end(),
+                     [&](const auto& g) { return g.second != id || heard_.contains(g.first); });
+}
+
+bool Subgroup::all_informed() const {
+  return std::all_of(mates_.begin(), mates_.end(),
+                     [&](const auto& m) { return m.second.lost || informed(m.first); });
 }
 
 std::size_t Subgroup::outstanding(const robot::Knowledge& k, RegionId region) const {
@@ -195,15 +200,13 @@ std::optional<Subgroup::Visit> Subgroup::next_visit(const robot::Knowledge& k,
     const double way_s = nav::travel_time_s(kDetour * (place - k.position()).norm(), k.limits());
     const SimTime arrive = k.now() + Duration::from_s(way_s);
     const bool idle = free <= arrive + Duration::from_s(kIdleSlack_s);
-    const bool informed =
-        k.knows(id, store::RecordClass::kPlan, robot::plan_key(mission::PlanKind::kAllocation));
     bool wanted = false;
     if (exploring) {
       const double work_s = kPerArea_s * static_cast<double>(std::min(open_.size(), kLoad));
       wanted = idle && (work_s > kWorth * (2 * way_s + kTalk_s) || open_.size() >= kAlwaysWorth) &&
                !open_.empty();
     } else {
-      wanted = holds > 0 || !informed || (!open_.empty() && idle);
+      wanted = holds > 0 || !informed(id) || (!open_.empty() && idle);
     }
     if (!wanted) continue;
     // When it is free it is done with everything: come then, or as soon as one can. One that is

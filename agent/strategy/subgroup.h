@@ -16,10 +16,11 @@ class Subgroup {
  public:
   struct Mate {
     RobotId id;
-    SimTime seen;          ///< last contact
-    SimTime not_before;    ///< of the next visit, after one in vain
-    int missed = 0;        ///< meetings in a row at which it was not there; 2: lost (S0.15)
-    int out_of_reach = 0;  ///< visits in a row on which no way was found
+    SimTime seen;                  ///< last contact
+    SimTime not_before;            ///< of the next visit, after one in vain
+    std::optional<RegionId> told;  ///< the region of the newest allocation that it has heard
+    int missed = 0;                ///< meetings in a row at which it was not there; 2: lost (S0.15)
+    int out_of_reach = 0;          ///< visits in a row on which no way was found
     bool lost = false;
   };
   struct Visit {
@@ -52,14 +53,16 @@ class Subgroup {
 
   /// In contact, has heard the newest allocation, and everything it had is here.
   bool settled(const robot::Knowledge& k, RobotId mate) const;
-  /// Every mate that is not lost has heard the newest allocation.
-  bool all_informed(const robot::Knowledge& k) const;
+  /// Every mate that is not lost has heard what concerns it.
+  bool all_informed() const;
   std::size_t open_areas() const { return open_.size(); }
   /// Areas of the region whose results are not all here (given or not).
   std::size_t outstanding(const robot::Knowledge& k, RegionId region) const;
   const std::map<RobotId, Mate>& mates() const { return mates_; }
 
  private:
+  /// Nothing of what I allocated concerns it that it has not heard.
+  bool informed(RobotId mate) const;
   bool mine(const robot::Knowledge& k, const mission::AreaRef& ref, RegionId region) const;
   void publish(robot::Knowledge& k, RegionId region);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace muster::agent {
 namespace {
@@ -9,8 +10,7 @@ namespace {
 constexpr double kGap_m = 0.3;  // the line of sight is asked for up to this far before the surface,
                                 // whose voxels are occupied
 constexpr double kRefusal_s = 16;  // an attempt in vain: hold, patience, and the way to the next
-constexpr double kLeastChance = 0.25, kLeastChanceLate = 0.08;  // late: after some refusals
-constexpr std::size_t kLate = 3;
+constexpr double kLeastChance[] = {0.25, 0.08, 0.02};
 constexpr double kSameLook_rad = 0.25;  // what hid the area there may hide it here
 constexpr double kSameLookFactor = 0.5;
 constexpr double kRanges_m[] = {1.2, 1.6, 2.1, 2.7, 3.4, 4.1, 4.6};
@@ -29,40 +29,49 @@ bool sees(const robot::Knowledge& k, const Vec3& area, const Vec3& n, const Vec3
 }  // namespace
 
 std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area,
-                                  const std::vector<RefusedLook>& refused) {
+                                  const std::vector<RefusedLook>& refused, int attempts) {
   SurfaceBelief belief(k.map(), area, k.mission().inspect, k.config().vehicle);
   for (const RefusedLook& look : refused) belief.refuse(look);
   const Vec3 n = belief.normal();
-  const double least = refused.size() < kLate ? kLeastChance : kLeastChanceLate;
+  const double least = kLeastChance[std::clamp(attempts / 2, 0, 2)];
 
   struct Candidate {
     double cost_s;
     ViewPose view;
   };
   std::vector<Candidate> found;
+  const auto consider = [&](const Vec3& from, std::span<const double> ranges_m, bool seen) {
+    double faces = belief.faces(from);
+    for (const RefusedLook& r : refused)
+      faces *= angle(from, r.from) < kSameLook_rad ? kSameLookFactor : 1.0;
+    if (faces < least) return;
+    for (const double range_m : ranges_m) {
+      const double chance = faces * belief.in_view(from, range_m);
+      const Vec3 p = area.position + range_m * from;
+      if (chance < least || !k.map().traversable(p) || !k.paths().reached(p)) continue;
+      const double way_s = nav::travel_time_s(k.paths().flood_distance(p), k.limits());
+      found.push_back({way_s + kRefusal_s * (1 - chance) / chance,
+                       {{p, std::atan2(-from.y(), -from.x())}, {from, range_m}, chance, seen}});
+    }
+  };
   for (int i = 0; i < kAzimuths; ++i) {
     const double az = 2 * std::numbers::pi * i / kAzimuths;
     for (const double el : kElevations_rad) {
-      const Vec3 from(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
-      double faces = belief.faces(from);
-      for (const RefusedLook& r : refused)
-        faces *= angle(from, r.from) < kSameLook_rad ? kSameLookFactor : 1.0;
-      if (faces < least) continue;
-      for (const double range_m : kRanges_m) {
-        const double chance = faces * belief.in_view(from, range_m);
-        const Vec3 p = area.position + range_m * from;
-        if (chance < least || !k.map().traversable(p) || !k.paths().reached(p)) continue;
-        const double way_s = nav::travel_time_s(k.paths().flood_distance(p), k.limits());
-        found.push_back({way_s + kRefusal_s * (1 - chance) / chance,
-                         {{p, std::atan2(-from.y(), -from.x())}, {from, range_m}, chance}});
-      }
+      consider({std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el)}, kRanges_m,
+               false);
     }
   }
+  // It was in sight from where it was sighted, whatever the voxels say.
+  const Vec3 sighted = area.sighted_from.p - area.position;
+  const double sighted_m = sighted.norm();
+  const double on_the_ray_m[] = {0.4 * sighted_m, 0.55 * sighted_m, 0.7 * sighted_m,
+                                 0.85 * sighted_m, sighted_m};
+  if (sighted_m > 0.5) consider(sighted / sighted_m, on_the_ray_m, true);
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.cost_s < b.cost_s; });
   found.resize(std::min(found.size(), kLinesOfSight));
   for (const Candidate& c : found) {
-    if (sees(k, area.position, n, c.view.pose.p)) return c.view;
+    if (c.view.seen || sees(k, area.position, n, c.view.pose.p)) return c.view;
   }
   return std::nullopt;
 }

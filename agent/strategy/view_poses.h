@@ -12,13 +12,15 @@ struct ViewPose {
   Pose pose;
   RefusedLook look;  ///< what to remember should it be refused
   double probability = 0;
+  bool seen = false;  ///< a sighting came along this very line
 };
 
 /// The pose from which looking at the area is soonest over, counting the way there and, by its
 /// probability, another look after a refusal. Body-safe, with line of sight through known space,
-/// and reachable by the last flood of `knowledge.paths()`. None: nothing with a fair chance.
+/// and reachable by the last flood of `knowledge.paths()`. None: nothing with a fair chance; what
+/// is fair shrinks with `attempts` in vain.
 std::optional<ViewPose> view_pose(robot::Knowledge& knowledge, const mission::Area& area,
-                                  const std::vector<RefusedLook>& refused);
+                                  const std::vector<RefusedLook>& refused, int attempts);
 
 /// Is the area still in sight of `pose`, by the map as it is now?
 bool in_sight(const robot::Knowledge& knowledge, const mission::Area& area, const Pose& pose);

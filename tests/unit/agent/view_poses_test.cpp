@@ -33,7 +33,7 @@ bool roof(const Vec3& p) { return std::abs(p.z() - roof_z(p)) < 0.15; }
 TEST_CASE("a wall sighted from the side is looked at within the rule's incidence") {
   Place p(wall);
   const mission::Area a = area_at({4.0, 0, 2}, {2.0, 4.0, 2.2});
-  const auto v = view_pose(p.inspector, a, {});
+  const auto v = view_pose(p.inspector, a, {}, 0);
   REQUIRE(v);
   CHECK(p.incidence(*v, a, -Vec3::UnitX()) < p.mission.inspect.max_incidence_rad);
   CHECK(v->probability > 0.8);
@@ -46,7 +46,7 @@ TEST_CASE("a shallow roof is looked at from high up, on the side to which it fal
   p.inspector.paths().flood(p.inspector.position());
   const Vec3 spot(-2, 0, 3.5);
   const mission::Area a = area_at(spot, {-4, 2.5, 5.2});
-  const auto v = view_pose(p.inspector, a, {});
+  const auto v = view_pose(p.inspector, a, {}, 0);
   REQUIRE(v);
   const Vec3 normal = Vec3(-0.25, 0, 1).normalized();
   CHECK(p.incidence(*v, a, normal) < p.mission.inspect.max_incidence_rad + 0.03);
@@ -67,7 +67,7 @@ TEST_CASE("after a refusal the surface is believed to face elsewhere") {
 
 TEST_CASE("what cannot be seen from anywhere has no pose, and a wall in between hides an area") {
   Place p([](const Vec3& q) { return wall(q) || (q.x() > 3.0 && q.x() < 3.4); });
-  CHECK_FALSE(view_pose(p.inspector, area_at({4.0, 0, 2}, {3.7, 0, 2}), {}));
+  CHECK_FALSE(view_pose(p.inspector, area_at({4.0, 0, 2}, {3.7, 0, 2}), {}, 0));
   CHECK_FALSE(in_sight(p.inspector, area_at({4.0, 0, 2}, {3.7, 0, 2}), {{1, 0, 2}, 0}));
 }
 
