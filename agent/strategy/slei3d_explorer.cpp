@@ -67,6 +67,7 @@ bool Slei3dExplorer::region_done(const robot::Knowledge& k) const {
 robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress& progress) {
   follow(k, orders(k));
   const RegionId region = exploration_ ? exploration_->region() : kNoRegion;
+  fitter_.review(k);
   subgroup_.update(k, region);
   if (exploration_ || released_)
     subgroup_.allocate(k, k.declared_complete() ? kNoRegion : region,
