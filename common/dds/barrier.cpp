@@ -16,6 +16,7 @@ BarrierConfig BarrierConfig::from(Vendor vendor, std::uint32_t domain) {
     const double factor = std::max(1.0, std::strtod(patience, nullptr));
     config.start *= factor;
     config.missing *= factor;
+    config.busy *= factor;
     config.silence *= factor;
   }
   return config;

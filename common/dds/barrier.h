@@ -28,6 +28,7 @@ struct BarrierConfig {
   std::chrono::duration<double> start{120};  ///< until everyone is matched and the first tick comes
   std::chrono::duration<double> missing{
       10};  ///< nothing new for so long in the middle of a tick: the run has failed
+  std::chrono::duration<double> busy{120};  ///< the longest that a robot may work on one tick
   std::chrono::duration<double> silence{
       4};  ///< a robot or the radio hears nothing from the world (which speaks every second)
 
@@ -56,6 +57,10 @@ inline constexpr mission::MessageClass kSampleClasses[] = {
 inline constexpr mission::MessageClass kCommandClasses[] = {mission::MessageClass::kTrajectory,
                                                             mission::MessageClass::kInspect,
                                                             mission::MessageClass::kCharge};
+
+/// `Done.k` of a robot that is still working on its tick: where planning takes long (50 robots on
+/// two cores), it is not missing.
+inline constexpr std::uint64_t kBusy = kReady - 1;
 
 /// "I am matched": what a process says until the clock starts.
 mission::Done ready();

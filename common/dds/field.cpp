@@ -6,6 +6,7 @@
 
 #include "common/core/log.h"
 #include "common/dds/convert.h"
+#include "common/dds/network.h"
 #include "common/dds/order.h"
 
 namespace muster::dds {
@@ -14,9 +15,6 @@ namespace {
 using mission::Message;
 using mission::MessageClass;
 using Clock = Inbox::Clock;
-
-/// The largest correction per odometry sample (10 Hz): 1 % of real time.
-constexpr double kSlew_s = 0.001;
 
 double monotonic_s() {
   return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
@@ -32,6 +30,7 @@ ParticipantConfig bus_config(const FieldConfig& config) {
 }
 
 ParticipantConfig air_config(const FieldConfig& config) {
+  if (!config.network_interface.empty()) await_carrier(config.network_interface);
   ParticipantConfig air;
   air.vendor = config.vendor;
   air.profile = config.air_profile;
@@ -48,7 +47,8 @@ ParticipantConfig air_config(const FieldConfig& config) {
 FieldRunner::FieldRunner(const FieldConfig& config)
     : config_(config),
       bus_(make_participant(bus_config(config))),
-      air_(make_participant(air_config(config))) {
+      air_(make_participant(air_config(config))),
+      clock_(config.station, config.speed) {
   const OnMessage on_message = inbox_.on_message();
   samples_ = ReaderSet(*bus_, kSampleClasses, bus_partition(config.self), on_message, {});
   if (config.station)
@@ -62,25 +62,24 @@ FieldRunner::FieldRunner(const FieldConfig& config)
 
 FieldRunner::~FieldRunner() = default;
 
-double FieldRunner::now_s() const { return *offset_s_ + config_.speed * monotonic_s(); }
+double FieldRunner::now_s() const { return clock_.at(monotonic_s()); }
 
-void FieldRunner::correct_clock(SimTime driver_time) {
-  const double measured_s = driver_time.s() - config_.speed * monotonic_s();
-  if (!offset_s_) {
-    offset_s_ = measured_s;
-    log::info("the drivers' clock says {:.3f} s", driver_time.s());
-    return;
+void FieldRunner::correct_clock(const Message& message) {
+  if (message.cls == MessageClass::kBeacon) {
+    const auto beacon = decode<mission::Beacon>(message);
+    clock_.beacon_says(beacon.stratum, beacon.mission_time.s(), monotonic_s());
+  } else if (message.cls == MessageClass::kOdometry) {
+    const double driver_s = decode<mission::Odometry>(message).time.s();
+    if (!clock_.set()) log::info("the drivers' clock says {:.3f} s", driver_s);
+    clock_.driver_says(driver_s, monotonic_s());
   }
-  *offset_s_ +=
-      std::clamp(measured_s - *offset_s_, -kSlew_s * config_.speed, kSlew_s * config_.speed);
 }
 
 void FieldRunner::sort_in(std::vector<Message>&& messages) {
   for (Message& message : messages) {
     try {
-      if (message.cls == MessageClass::kOdometry)
-        correct_clock(decode<mission::Odometry>(message).time);
       if (peek_envelope(message.cdr).src == config_.self) continue;
+      correct_clock(message);
     } catch (const std::exception& e) {
       log::warn("refused a message: {}", e.what());
       continue;
@@ -90,7 +89,8 @@ void FieldRunner::sort_in(std::vector<Message>&& messages) {
 }
 
 void FieldRunner::run(const Step& step, const volatile std::sig_atomic_t& stop) {
-  while (!offset_s_ && !stop) sort_in(inbox_.take(Clock::now() + std::chrono::milliseconds(200)));
+  while (!clock_.set() && !stop)
+    sort_in(inbox_.take(Clock::now() + std::chrono::milliseconds(200)));
   std::uint64_t k = 0;
   while (!stop) {
     const auto next_k =

@@ -3,13 +3,13 @@
 #include <csignal>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/core/time.h"
 #include "common/dds/barrier.h"
 #include "common/dds/inbox.h"
+#include "common/dds/mission_clock.h"
 #include "common/mission/process.h"
 
 namespace muster::dds {
@@ -29,9 +29,8 @@ struct FieldConfig {
 /// A robot on its own clock: no barrier, no hub on the air. Steps ten times a second with whatever
 /// has arrived.
 ///
-/// The clock is the drivers': the first odometry sets mission time, later ones correct it by
-/// slewing (at most 1 %), never by jumping, so that time always moves forward. Before the first
-/// odometry nothing happens: a robot that does not know where it is does not act.
+/// Mission time is MissionClock's, from odometry stamps and beacons. Before the first odometry
+/// nothing happens: a robot that does not know where it is does not act.
 class FieldRunner {
  public:
   using Step = std::function<mission::StepOutput(const mission::StepInput&)>;
@@ -44,7 +43,7 @@ class FieldRunner {
 
  private:
   void sort_in(std::vector<mission::Message>&& messages);
-  void correct_clock(SimTime driver_time);
+  void correct_clock(const mission::Message& message);
   double now_s() const;
 
   FieldConfig config_;
@@ -53,7 +52,7 @@ class FieldRunner {
   ReaderSet samples_, air_in_reader_;
   WriterSet commands_, air_out_;
   std::vector<mission::Message> bus_in_, air_in_;
-  std::optional<double> offset_s_;  ///< mission time − speed · monotonic time
+  MissionClock clock_;
 };
 
 }  // namespace muster::dds

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <condition_variable>
+#include <csignal>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <set>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,15 +30,17 @@ class RobotLockstep {
 
   /// Steps until the world ends the run; returns its reason. Throws WorldEnded when the run has
   /// failed, Failure when the world falls silent.
-  std::string run(const Step& step);
+  /// `stop` may be set from a signal handler; it is looked at a few times a second.
+  std::string run(const Step& step, const volatile std::sig_atomic_t& stop);
 
  private:
-  void await_first_tick();
-  bool await_tick();
-  void await_inputs();
+  void await_first_tick(const volatile std::sig_atomic_t& stop);
+  bool await_tick(const volatile std::sig_atomic_t& stop);
+  void await_inputs(const volatile std::sig_atomic_t& stop);
   void sort_in(std::vector<mission::Message>&& messages);
   void send(mission::StepOutput&& output);
   void say_done(mission::Done done);
+  void say_busy(const std::stop_token& stop);
   bool matched() const;
 
   BarrierConfig config_;
@@ -49,6 +54,10 @@ class RobotLockstep {
   bool started_ = false, tick_is_new_ = false;
   Inbox::Clock::time_point world_heard_;
   std::vector<mission::Message> bus_in_, air_in_;
+
+  std::mutex working_mutex_;
+  std::condition_variable_any working_changed_;
+  std::uint64_t working_ = 0;  ///< odd while a step is under way
 };
 
 /// The radio's side: hears truth, everyone's `Done` and as many messages as they announce; writes

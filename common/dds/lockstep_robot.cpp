@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <thread>
 #include <utility>
 
 #include "common/core/log.h"
@@ -16,6 +17,9 @@ using Clock = Inbox::Clock;
 
 namespace {
 
+constexpr auto kSayBusy = std::chrono::seconds(1);
+/// How often a robot that waits looks whether it was asked to stop.
+constexpr auto kLookForStop = std::chrono::milliseconds(200);
 /// Until the first tick, readiness is said again this often: the first time may fall before the
 /// world knows us.
 constexpr auto kSayAgain = std::chrono::milliseconds(100);
@@ -80,9 +84,9 @@ void RobotLockstep::say_done(mission::Done done) {
   done_air_.write(message);
 }
 
-void RobotLockstep::await_first_tick() {
+void RobotLockstep::await_first_tick(const volatile std::sig_atomic_t& stop) {
   const auto deadline = in(config_.start);
-  while (!tick_is_new_) {
+  while (!tick_is_new_ && !stop) {
     if (matched()) say_done(ready());
     sort_in(inbox_.take(std::min(deadline, Clock::now() + kSayAgain)));
     if (Clock::now() >= deadline) {
@@ -95,10 +99,13 @@ void RobotLockstep::await_first_tick() {
 }
 
 /// False: the run is over.
-bool RobotLockstep::await_tick() {
+bool RobotLockstep::await_tick(const volatile std::sig_atomic_t& stop) {
   while (!tick_is_new_) {
-    sort_in(
-        inbox_.take(world_heard_ + std::chrono::duration_cast<Clock::duration>(config_.silence)));
+    if (stop) {
+      log::warn("asked to stop after tick {}, which is answered", tick_.k);
+      return false;
+    }
+    sort_in(inbox_.take(Clock::now() + kLookForStop));
     if (!tick_is_new_ && Clock::now() - world_heard_ >= config_.silence) {
       throw Failure(fmt::format("the world has been silent for {:.0f} s: it is gone, or stopped",
                                 config_.silence.count()));
@@ -108,14 +115,14 @@ bool RobotLockstep::await_tick() {
   return tick_.phase == mission::TickPhase::kRun;
 }
 
-void RobotLockstep::await_inputs() {
+void RobotLockstep::await_inputs(const volatile std::sig_atomic_t& stop) {
   const auto mine = std::find_if(tick_.expect.begin(), tick_.expect.end(),
                                  [&](const auto& e) { return e.process == self_; });
   const std::size_t bus = mine == tick_.expect.end() ? 0 : mine->bus;
   const std::size_t air = mine == tick_.expect.end() ? 0 : mine->air;
   auto deadline = in(config_.missing);
-  while (bus_in_.size() < bus || air_in_.size() < air) {
-    auto messages = inbox_.take(deadline);
+  while ((bus_in_.size() < bus || air_in_.size() < air) && !stop) {
+    auto messages = inbox_.take(std::min(deadline, Clock::now() + kLookForStop));
     if (!messages.empty()) {
       const bool only_ticks = std::all_of(messages.begin(), messages.end(), [](const Message& m) {
         return m.cls == MessageClass::kTick;
@@ -146,20 +153,49 @@ void RobotLockstep::send(mission::StepOutput&& output) {
   say_done(std::move(done));
 }
 
-std::string RobotLockstep::run(const Step& step) {
-  await_first_tick();
-  while (await_tick()) {
+/// While one step takes long, the world hears so every second.
+void RobotLockstep::say_busy(const std::stop_token& stop) {
+  mission::Done busy;
+  busy.k = kBusy;
+  std::unique_lock lock(working_mutex_);
+  while (!stop.stop_requested()) {
+    const std::uint64_t step = working_;
+    working_changed_.wait_for(lock, stop, kSayBusy, [&] { return false; });
+    if (working_ != step || working_ % 2 == 0) continue;
+    busy.process = self_;
+    busy.envelope = {.n = busy.k, .src = self_, .cls = MessageClass::kDone, .sent = SimTime{}};
+    done_bus_.write(encode(busy));
+  }
+}
+
+std::string RobotLockstep::run(const Step& step, const volatile std::sig_atomic_t& stop) {
+  await_first_tick(stop);
+  const std::jthread keeper([this](const std::stop_token& end) { say_busy(end); });
+  const auto count = [this] {
+    const std::lock_guard lock(working_mutex_);
+    ++working_;
+  };
+  while (await_tick(stop)) {
     log::set_time(tick_.time);
-    await_inputs();
+    await_inputs(stop);
+    if (stop) {
+      log::warn("asked to stop in tick {} with {} bus samples and {} radio messages", tick_.k,
+                bus_in_.size(), air_in_.size());
+      break;
+    }
     mission::StepInput input{.tick = tick_.k,
                              .now = tick_.time,
                              .bus = std::exchange(bus_in_, {}),
                              .air = std::exchange(air_in_, {})};
     sort_messages(input.bus);
     sort_messages(input.air);
-    send(step(input));
+    count();
+    mission::StepOutput output = step(input);
+    count();
+    working_changed_.notify_one();
+    send(std::move(output));
   }
-  return tick_.note;
+  return stop ? "asked to stop" : tick_.note;
 }
 
 }  // namespace muster::dds

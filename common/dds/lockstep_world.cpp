@@ -103,6 +103,8 @@ void WorldLockstep::take(Clock::time_point deadline) {
         } else {
           ready_.insert(done.process);
         }
+      } else if (done.k == kBusy) {
+        ++busy_heard_;
       } else if (radio) {
         radio_done_ = std::move(done);
       } else {
@@ -133,13 +135,14 @@ template <class Complete, class Missing>
 void WorldLockstep::await(std::chrono::duration<double> patience, const Complete& complete,
                           const Missing& missing) {
   auto deadline = in(patience);
+  const auto last = in(std::max(patience, config_.busy));
   while (!complete()) {
     const auto seen = [&] {
-      return dones_.size() + commands_in_.size() + ear_in_.size() + ready_.size();
+      return dones_.size() + commands_in_.size() + ear_in_.size() + ready_.size() + busy_heard_;
     };
     const auto before = seen();
     take(deadline);
-    if (seen() != before) deadline = in(patience);
+    if (seen() != before) deadline = std::min(in(patience), last);
     if (Clock::now() >= deadline) {
       throw Failure(fmt::format("nothing new for {:.0f} s: {}", patience.count(), missing()));
     }
@@ -215,10 +218,17 @@ WorldLockstep::Answers WorldLockstep::await_robots() {
   await(
       config_.missing, [&] { return std::all_of(alive_.begin(), alive_.end(), has); },
       [&] {
-        std::vector<RobotId> missing;
-        std::copy_if(alive_.begin(), alive_.end(), std::back_inserter(missing),
-                     [&](RobotId r) { return !has(r); });
-        return fmt::format("tick {}: no answer from robots {}", tick_.k, list(missing));
+        std::string missing;
+        for (const RobotId robot : alive_) {
+          if (has(robot)) continue;
+          const auto done = dones_.find(robot);
+          const std::string how =
+              done == dones_.end() ? std::to_string(robot.value)
+                                   : fmt::format("{} ({} of {} commands came)", robot.value,
+                                                 commands_in_[robot].size(), done->second.sent_bus);
+          missing += (missing.empty() ? "" : ", ") + how;
+        }
+        return fmt::format("tick {}: no answer from robots {}", tick_.k, missing);
       });
   Answers answers{.robots = std::exchange(dones_, {}), .commands = {}};
   for (auto& [robot, messages] : commands_in_)

@@ -90,6 +90,7 @@ class WorldLockstep {
 
   std::set<RobotId> alive_, ready_;
   bool radio_ready_ = false;
+  std::uint64_t busy_heard_ = 0;
   mission::Tick tick_;
   std::map<RobotId, std::uint32_t> bus_counts_;  ///< of the samples written for the next tick
   std::map<RobotId, std::uint32_t> air_counts_;  ///< of the deliveries for the next tick

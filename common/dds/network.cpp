@@ -2,18 +2,22 @@
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>
+#include <net/if.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstddef>
 #include <cstring>
 #include <memory>
+#include <thread>
 #include <utility>
 
 #include "common/core/error.h"
+#include "common/core/log.h"
 
 namespace muster::dds {
 namespace {
@@ -40,17 +44,41 @@ bool udp_port_free(std::uint16_t port) {
 
 }  // namespace
 
-std::string resolve_interface(const std::string& name_or_address) {
+namespace {
+
+struct Interface {
+  std::string name, address;
+  bool running = false;
+};
+
+Interface find_interface(const std::string& name_or_address) {
   ifaddrs* list = nullptr;
   if (getifaddrs(&list) != 0) throw Failure("the network interfaces cannot be listed");
   const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(list, freeifaddrs);
   for (const ifaddrs* i = list; i != nullptr; i = i->ifa_next) {
     if (i->ifa_addr == nullptr || i->ifa_addr->sa_family != AF_INET) continue;
     const std::string address = dotted(i->ifa_addr);
-    if (name_or_address == i->ifa_name || name_or_address == address) return address;
+    if (name_or_address == i->ifa_name || name_or_address == address)
+      return {i->ifa_name, address, (i->ifa_flags & IFF_RUNNING) != 0};
   }
   throw Failure("network interface '" + name_or_address +
                 "' does not exist or has no IPv4 address (`ip -4 address` lists them)");
+}
+
+}  // namespace
+
+std::string resolve_interface(const std::string& name_or_address) {
+  return find_interface(name_or_address).address;
+}
+
+void await_carrier(const std::string& name_or_address) {
+  bool said = false;
+  while (true) {
+    const Interface interface = find_interface(name_or_address);
+    if (interface.running) return;
+    if (!std::exchange(said, true)) log::warn("waiting for a carrier on {}", interface.name);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
 }
 
 std::string resolve_host(const std::string& name_or_address) {

@@ -24,6 +24,9 @@ constexpr std::uint16_t discovery_port(std::uint32_t domain, std::uint32_t index
 /// Dotted address of an interface name, host name or dotted address. Throws Failure when there is
 /// no such thing.
 std::string resolve_interface(const std::string& name_or_address);
+/// Waits until an interface (name or address) has a carrier: Fast DDS never opens a socket on one
+/// that had none when it looked.
+void await_carrier(const std::string& name_or_address);
 std::string resolve_host(const std::string& name_or_address);
 
 /// A place in a domain on this machine: discovery port and data port of one participant index. Held

@@ -56,7 +56,7 @@ std::string run_in_barrier(const RobotShellOptions& options, mission::Process& p
                            bool station) {
   RobotLockstep barrier(BarrierConfig::from(vendor_from(options.vendor), *options.domain),
                         process.id(), station);
-  return barrier.run([&](const mission::StepInput& input) { return process.step(input); });
+  return barrier.run([&](const mission::StepInput& input) { return process.step(input); }, g_stop);
 }
 
 }  // namespace
@@ -110,7 +110,7 @@ int run_robot(const RobotShellOptions& options, bool station, const MakeProcess&
                     station ? "not a station: use muster-agent" : "a station: use muster-gcs"));
   }
   // Before the first trace of this process: who sees its log may ask it to stop.
-  if (options.field) stop_on_signal();
+  stop_on_signal();
   std::error_code error;
   std::filesystem::create_directories(options.out + "/logs", error);
   log::open(options.out + "/logs", fmt::format("{}-{}", station ? "gcs" : "agent", self.value));

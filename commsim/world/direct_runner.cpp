@@ -38,7 +38,8 @@ class DirectRunner {
         control_(options.control_fd),
         mission_(mission::Mission::load(options.mission_file, options.set)),
         world_(mission_, Scene::load(mission_)),
-        flight_(mission_, world_, {.out = options.out, .duration_s = options.duration_s}),
+        flight_(mission_, world_,
+                {.out = options.out, .duration_s = options.duration_s, .trace = false}),
         bus_(dds::make_participant(participant(options, options.domain, 0, true))),
         air_(dds::make_participant(
             participant(options, options.domain + 1, dds::kWorldOnAir, false))) {
@@ -64,6 +65,7 @@ class DirectRunner {
   int run() {
     await_drivers();
     control_.tell({{"matched", true}});
+    control_.tell({{"started", true}, {"load_s", load_s_}});
     const std::string reason = fly();
     nlohmann::json summary = flight_.finish(reason);
     summary["trace_hash"] = nullptr;  // everyone had their own clock
@@ -154,8 +156,10 @@ class DirectRunner {
   const RunnerOptions options_;
   RunControl control_;
   const mission::Mission mission_;
+  const Clock::time_point begun_ = Clock::now();
   World world_;
   Flight flight_;
+  const double load_s_ = std::chrono::duration<double>(Clock::now() - begun_).count();
   dds::Inbox inbox_;
   std::unique_ptr<dds::Participant> bus_, air_;
   dds::ReaderSet commands_reader_, air_reader_;

@@ -61,11 +61,15 @@ Flight::Flight(const mission::Mission& mission, World& world, const FlightConfig
   tracks_ = open_file(config_.out + "/tracks.csv");
   tracks_ << "t_s,robot,x,y,z,yaw_rad,activity\n";
   events_ = open_file(config_.out + "/events.jsonl");
+  if (!config_.trace) return;
+  trace_file_ = open_file(config_.out + "/trace.csv");
+  trace_file_ << "t_s,part,robot,trace\n";
 }
 
 void Flight::tick_begins(std::uint64_t k, const mission::Truth& truth) {
   now_ = time_of_tick(k);
-  trace_.add(k).add(world_.trace());
+  trace_.add(k);
+  fold("world", kWorldId.value, world_.trace());
   for (const mission::TrueState& robot : truth.robots) state_[robot.robot] = robot.state;
   for (const mission::ScriptedEvent& scripted : mission_.script) {
     const auto verb = verb_from(scripted.verb);
@@ -83,7 +87,7 @@ void Flight::station_heard(const std::vector<mission::Message>& messages) {
 }
 
 void Flight::robot_done(const RobotReport& report) {
-  trace_.add(report.trace);
+  fold("robot", report.robot.value, report.trace);
   activity_[report.robot] = report.activity;
   for (const mission::PlanningTime& time : report.planning)
     planning_[time.step].push_back(time.wall_ms);
@@ -93,7 +97,13 @@ void Flight::robot_done(const RobotReport& report) {
   }
 }
 
-void Flight::radio_done(std::uint64_t trace) { trace_.add(trace); }
+void Flight::radio_done(std::uint64_t trace) { fold("radio", kRadioId.value, trace); }
+
+void Flight::fold(const char* part, std::uint32_t id, std::uint64_t trace) {
+  trace_.add(trace);
+  if (!trace_file_.is_open()) return;
+  trace_file_ << fmt::format("{:.1f},{},{},{:016x}\n", now_.s(), part, id, trace);
+}
 
 std::optional<std::string> Flight::end_reason(std::uint64_t k, std::size_t alive) {
   ++ticks_;
@@ -199,6 +209,7 @@ nlohmann::json Flight::finish(const std::string& reason) {
   event({{"t_s", now_.s()}, {"event", "end"}, {"reason", reason}});
   if (!config_.out.empty()) open_file(config_.out + "/features.csv") << world_.features_csv();
   tracks_.flush();
+  trace_file_.flush();
   events_.flush();
 
   const World::Progress p = world_.progress();

@@ -20,7 +20,8 @@ struct FlightConfig {
   std::string
       out;  ///< directory for events.jsonl, tracks.csv, features.csv; empty: none are written
   double duration_s =
-      0;  ///< ends after this many simulated seconds; 0: the mission's own limit only
+      0;               ///< ends after this many simulated seconds; 0: the mission's own limit only
+  bool trace = false;  ///< also trace.csv: where two runs that should be equal part ways
 };
 
 /// What one robot's process reported for a tick.
@@ -84,7 +85,9 @@ class Flight {
   std::map<RobotId, mission::VehicleState> state_;
   std::vector<nlohmann::json> lost_;
   std::map<mission::PlanningStep, std::vector<float>> planning_;
-  std::ofstream tracks_, events_;
+  void fold(const char* part, std::uint32_t id, std::uint64_t trace);
+
+  std::ofstream tracks_, events_, trace_file_;
 };
 
 const char* to_string(mission::Activity activity);

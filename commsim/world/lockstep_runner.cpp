@@ -1,5 +1,7 @@
 #include "commsim/world/lockstep_runner.h"
 
+#include <chrono>
+#include <future>
 #include <memory>
 #include <optional>
 
@@ -13,6 +15,18 @@
 namespace muster::world {
 namespace {
 
+/// How often a world that waits for its site looks whether it shall stop.
+constexpr auto kLook = std::chrono::milliseconds(50);
+
+struct Loaded {
+  Loaded(const mission::Mission& mission, const RunnerOptions& options)
+      : world(mission, Scene::load(mission)),
+        flight(mission, world,
+               {.out = options.out, .duration_s = options.duration_s, .trace = options.trace}) {}
+  World world;
+  Flight flight;
+};
+
 class LockstepRunner {
  public:
   explicit LockstepRunner(const RunnerOptions& options)
@@ -20,10 +34,9 @@ class LockstepRunner {
         control_(options.control_fd),
         mission_(mission::Mission::load(options.mission_file, options.set)),
         barrier_(dds::BarrierConfig::from(dds::vendor_from(options.vendor), options.domain),
-                 robots(), mission_.station()),
-        world_(mission_, Scene::load(mission_)),
-        flight_(mission_, world_, {.out = options.out, .duration_s = options.duration_s}) {
+                 robots(), mission_.station()) {
     control_.on_dead([this](RobotId robot) { barrier_.notify_lost(robot); });
+    world_ = std::async(std::launch::async, [this] { return load_world(); });
   }
   ~LockstepRunner() {
     control_.on_dead({});
@@ -33,19 +46,15 @@ class LockstepRunner {
   int run() {
     // Until the clock runs nothing looks at stop_reason(), so Ctrl-C has to reach into the waiting.
     control_.on_stop([this](const std::string& reason) { barrier_.interrupt(reason, false); });
+    begin();
+    control_.on_stop({});
     try {
-      barrier_.await_everyone();
-      control_.on_stop({});
-      control_.tell({{"matched", true}});
       const std::string reason = fly();
       barrier_.end(reason);
-      control_.tell({{"summary", flight_.finish(reason)}});
-    } catch (const dds::WorldEnded& stopped) {
-      barrier_.end(stopped.what());
-      control_.tell({{"summary", flight_.finish(stopped.what())}});
+      control_.tell({{"summary", flight().finish(reason)}});
     } catch (const std::exception& e) {
       log::error("{}", e.what());
-      nlohmann::json summary = flight_.finish(e.what());
+      nlohmann::json summary = flight().finish(e.what());
       summary["failed"] = true;
       control_.tell({{"summary", std::move(summary)}});
       control_.tell({{"failed", e.what()}});
@@ -62,6 +71,40 @@ class LockstepRunner {
     return all;
   }
 
+  /// On a thread of its own, while processes find each other.
+  std::unique_ptr<Loaded> load_world() {
+    const auto begin = std::chrono::steady_clock::now();
+    try {
+      auto loaded = std::make_unique<Loaded>(mission_, options_);
+      load_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      return loaded;
+    } catch (...) {
+      barrier_.interrupt("the site cannot be used", true);
+      throw;
+    }
+  }
+
+  /// Until everyone is matched and the site is there.
+  void begin() {
+    try {
+      barrier_.await_everyone();
+      control_.tell({{"matched", true}});
+      while (world_.wait_for(kLook) != std::future_status::ready) {
+        if (const std::string reason = control_.stop_reason(); !reason.empty())
+          throw dds::WorldEnded(reason, false);
+      }
+    } catch (const dds::WorldEnded& stopped) {
+      if (stopped.failed()) world_.get();  // throws what was wrong with the site
+      control_.tell({{"failed", std::string(stopped.what()) + " before the mission began"}});
+      throw;
+    }
+    loaded_ = world_.get();
+    control_.tell({{"started", true}, {"load_s", load_s_}});
+  }
+
+  World& world() { return loaded_->world; }
+  Flight& flight() { return loaded_->flight; }
+
   /// Returns why the flight is over.
   std::string fly() {
     const Pacer pacer(options_.speed);
@@ -74,17 +117,17 @@ class LockstepRunner {
       // The radio decides on tick k−1 while the world measures tick k.
       if (k > 0 && !radio) radio = radio_answers();
       radio.reset();
-      flight_.tick_begins(k, truth);
-      flight_.station_heard(barrier_.station_heard());
+      flight().tick_begins(k, truth);
+      flight().station_heard(barrier_.station_heard());
       barrier_.announce(k);
 
       dds::WorldLockstep::Answers answers = barrier_.await_robots();
       note_lost();
       for (auto& [robot, done] : answers.robots) report(robot, done);
-      if (k % 10 == 0) control_.tell({{"progress", flight_.progress()}});
-      world_.end_tick(k, answers.commands);
-      for (const auto& [verb, robot] : control_.take_requests()) flight_.request(verb, robot);
-      if (const auto reason = flight_.end_reason(k, barrier_.alive().size())) {
+      if (k % 10 == 0) control_.tell({{"progress", flight().progress()}});
+      world().end_tick(k, answers.commands);
+      for (const auto& [verb, robot] : control_.take_requests()) flight().request(verb, robot);
+      if (const auto reason = flight().end_reason(k, barrier_.alive().size())) {
         radio_answers();
         return *reason;
       }
@@ -98,12 +141,12 @@ class LockstepRunner {
 
   mission::Done radio_answers() {
     const mission::Done done = barrier_.await_radio();
-    flight_.radio_done(done.trace);
+    flight().radio_done(done.trace);
     return done;
   }
 
-  bool has_script(std::uint64_t k) const {
-    for (const mission::ScriptedEvent& event : world_.scripted(k)) {
+  bool has_script(std::uint64_t k) {
+    for (const mission::ScriptedEvent& event : world().scripted(k)) {
       if (event.verb == "kill" || event.verb == "revive") return true;
     }
     return false;
@@ -111,28 +154,28 @@ class LockstepRunner {
 
   /// Kills and revivals between ticks: the clock stands until they are done.
   void run_script(std::uint64_t k) {
-    for (const mission::ScriptedEvent& event : world_.scripted(k)) {
+    for (const mission::ScriptedEvent& event : world().scripted(k)) {
       const bool lives = barrier_.alive().contains(event.robot);
       if (event.verb == "kill" && lives) {
         control_.tell({{"kill", event.robot.value}});
         barrier_.await_lost(event.robot);
         barrier_.take_lost();
-        flight_.robot_lost(event.robot, "scripted");
-        world_.set_alive(event.robot, false);
+        flight().robot_lost(event.robot, "scripted");
+        world().set_alive(event.robot, false);
       } else if (event.verb == "revive" && !lives) {
         barrier_.expect(event.robot);
         control_.tell({{"revive", event.robot.value}});
         barrier_.await_back(event.robot);
-        flight_.robot_back(event.robot);
-        world_.set_alive(event.robot, true);
+        flight().robot_back(event.robot);
+        world().set_alive(event.robot, true);
       }
     }
   }
 
   mission::Truth write_measurements(std::uint64_t k) {
-    for (const World::Samples& samples : world_.begin_tick(k))
+    for (const World::Samples& samples : world().begin_tick(k))
       barrier_.write_samples(samples.robot, samples.messages);
-    mission::Truth truth = world_.truth();
+    mission::Truth truth = world().truth();
     truth.k = k;
     truth.time = time_of_tick(k);
     barrier_.write_truth(truth);
@@ -141,25 +184,26 @@ class LockstepRunner {
 
   void note_lost() {
     for (RobotId robot : barrier_.take_lost()) {
-      flight_.robot_lost(robot, control_.how_lost(robot));
-      world_.set_alive(robot, false);
+      flight().robot_lost(robot, control_.how_lost(robot));
+      world().set_alive(robot, false);
     }
   }
 
   void report(RobotId robot, mission::Done& done) {
-    flight_.robot_done({.robot = robot,
-                        .trace = done.trace,
-                        .declares_complete = done.declares_complete,
-                        .activity = done.activity,
-                        .planning = std::move(done.planning)});
+    flight().robot_done({.robot = robot,
+                         .trace = done.trace,
+                         .declares_complete = done.declares_complete,
+                         .activity = done.activity,
+                         .planning = std::move(done.planning)});
   }
 
   const RunnerOptions options_;
   RunControl control_;
   const mission::Mission mission_;
-  dds::WorldLockstep barrier_;  // before the world: processes find each other while it loads
-  World world_;
-  Flight flight_;
+  dds::WorldLockstep barrier_;
+  double load_s_ = 0;
+  std::future<std::unique_ptr<Loaded>> world_;
+  std::unique_ptr<Loaded> loaded_;
 };
 
 }  // namespace

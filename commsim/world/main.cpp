@@ -40,6 +40,8 @@ int main(int argc, char** argv) {
   app.add_option("--duration", options.duration_s,
                  "end after this many simulated seconds; 0: when the mission ends");
   app.add_option("--speed", options.speed, "times real time; 0: as fast as everyone can");
+  app.add_flag("--trace", options.trace,
+               "write trace.csv: per tick, what each process's part of the trace was");
   app.add_flag("--direct", direct, "no barrier: everyone on their own clock, as in the field");
   app.add_option("--control-fd", options.control_fd, "socket on which `muster run` talks to us");
   CLI11_PARSE(app, argc, argv);

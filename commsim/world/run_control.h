@@ -23,13 +23,15 @@ struct RunnerOptions {
   double duration_s = 0;
   double speed = 0;  ///< 0: as fast as possible
   int control_fd = -1;
+  bool trace = false;  ///< write trace.csv
 };
 
 /// The world's end of the conversation with `muster run`, one JSON object a line:
 ///
 ///     to us    {"dead": id, "how": text}   {"request": verb, "robot": id}   {"stop": reason}   end
-///     of stream: go from us  {"progress": …}  {"kill": id}  {"revive": id}  {"summary": …}
-///     {"failed": text}
+///     of stream: go
+///     from us  {"matched": true}  {"started": true, "load_s": …}  {"progress": …}  {"kill": id}
+///     {"revive": id}  {"summary": …}  {"failed": text}
 class RunControl {
  public:
   explicit RunControl(int fd);

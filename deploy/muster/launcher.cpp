@@ -37,6 +37,8 @@ using nlohmann::json;
 constexpr auto kFarewell = std::chrono::seconds(20);
 /// After Ctrl-C the world gets this long to come to the end of its tick.
 constexpr auto kPatience = std::chrono::seconds(10);
+/// After a failure robots get this long to write what they have.
+constexpr auto kLastWords = std::chrono::milliseconds(3500);
 constexpr auto kMeasureEvery = std::chrono::seconds(1);
 
 double cpu_of_this_process_s() {
@@ -132,6 +134,7 @@ class Launcher {
     all.insert(all.end(), {"--duration", fmt::format("{}", options_.duration_s), "--speed",
                            fmt::format("{}", options_.speed_factor())});
     if (direct()) all.push_back("--direct");
+    if (options_.trace) all.push_back("--trace");
     return all;
   }
 
@@ -196,8 +199,11 @@ class Launcher {
       measure_memory();
     }
     if (message.contains("matched")) {
-      matched_ = true;
       matched_s_ = std::chrono::duration<double>(Clock::now() - started_).count();
+    }
+    if (message.contains("started")) {
+      begun_ = true;
+      load_s_ = message.value("load_s", 0.0);
       started_ = Clock::now();
       progress_.restart_clock();
       cpu_before_s_ = cpu_s();
@@ -222,7 +228,7 @@ class Launcher {
                                        child.how_ended())
                          : words,
            child.exit_code());
-    } else if (!matched_ && child.exit_code() != 0) {
+    } else if (!begun_ && child.exit_code() != 0) {
       const std::string words = child.last_words();
       fail(words.empty() ? fmt::format("{} {}", child.name(), child.how_ended()) : words,
            child.exit_code());
@@ -257,7 +263,7 @@ class Launcher {
   std::string request(mission::RequestVerb verb, RobotId robot) {
     if (robot != kNoRobot && !mission_.has(robot))
       return fmt::format("the mission has no robot {}", robot.value);
-    if (!matched_) return "the mission has not started yet";
+    if (!begun_) return "the mission has not started yet";
     json message = {{"request", world::to_string(verb)}};
     if (robot != kNoRobot) message["robot"] = robot.value;
     tell("world", message);
@@ -281,14 +287,15 @@ class Launcher {
     stop_reason_ = reason;
   }
 
-  /// The run has failed; whoever still runs is told to end, and killed.
+  /// The run has failed; whoever still runs is told to end (robots write what they have), and
+  /// killed.
   void fail(const std::string& why, int status = kExitFailure) {
     if (failure_) return;
     failure_ = why;
     failure_status_ = status == kExitBadInput ? kExitBadInput : kExitFailure;
     leaving_ = true;
     for (const auto& child : children_) child->signal(SIGTERM);
-    deadline_ = Clock::now() + std::chrono::seconds(2);
+    deadline_ = Clock::now() + kLastWords;
   }
 
   void begin_farewell() {
@@ -347,7 +354,7 @@ class Launcher {
   }
 
   int conclude() {
-    if (failure_ && !matched_) {
+    if (failure_ && !begun_) {
       fmt::print(stderr, "{}\n",
                  failure_->rfind("muster", 0) == 0 ? *failure_ : "muster: " + *failure_);
       return failure_status_;
@@ -368,6 +375,7 @@ class Launcher {
     summary["dds"] = options_.dds;
     summary["transport"] = direct() ? "direct" : "dds";
     summary["matched_s"] = matched_s_;
+    summary["load_s"] = load_s_;
     add_cost(summary, cost(), mission_.fleet.size());
     finish_results(options_, summary);
     progress_.result(summary, options_.out);
@@ -384,14 +392,14 @@ class Launcher {
   std::set<const Child*> hung_up_;
   std::set<RobotId> scripted_kills_;
   std::map<RobotId, std::uint64_t> starts_;
-  std::atomic<bool> matched_ = false;
+  std::atomic<bool> begun_ = false;  ///< the clock runs
   bool stopping_ = false, leaving_ = false;
   std::string stop_reason_;
   std::optional<std::string> failure_;
   int failure_status_ = kExitFailure;
   std::optional<Clock::time_point> deadline_;
   Clock::time_point started_ = Clock::now(), measured_;
-  double wall_s_ = 0, matched_s_ = 0, cpu_before_s_ = 0;
+  double wall_s_ = 0, matched_s_ = 0, load_s_ = 0, cpu_before_s_ = 0;
   std::optional<json> summary_;
   json radio_summary_ = json::object(), last_progress_ = json::object();
   ControlSocket socket_;  // last: its thread asks the members above

@@ -75,6 +75,8 @@ void add_run_command(CLI::App& app, Action& action) {
   command->add_option("--domain", o->domain,
                       "DDS domain of the bus, the radio uses the next one (default: a free one)");
   command->add_option("--duration", o->duration_s, "stop after this many simulated seconds");
+  command->add_flag("--trace", o->trace,
+                    "write trace.csv: compare two to see the tick and process where they part");
   command->add_flag("--json", o->json, "one JSON object per line on stdout");
   command->add_flag("--report,!--no-report", o->report, "write report.html at the end (default)");
   command->footer(kFooter);

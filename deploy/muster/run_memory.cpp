@@ -61,7 +61,9 @@ int run_in_memory(const mission::Mission& mission, const RunOptions& options) {
   const ControlSocket socket(options.out,
                              [&](auto verb, RobotId robot) { return requests.put(verb, robot); });
   log::open(options.out + "/logs", "fleet");
-  MemoryFleet fleet(mission, make_process, {.out = options.out, .duration_s = options.duration_s});
+  const auto begin = std::chrono::steady_clock::now();
+  MemoryFleet fleet(mission, make_process,
+                    {.out = options.out, .duration_s = options.duration_s, .trace = options.trace});
   Progress progress(Progress::form_for(options.json));
   const world::Pacer pacer(options.speed_factor());
 
@@ -77,12 +79,14 @@ int run_in_memory(const mission::Mission& mission, const RunOptions& options) {
     pacer.wait_until(time_of_tick(fleet.ticks()));
   }
   const double cpu_s = cpu_of_this_process_s() - cpu_start_s;
+  const double load_s = std::chrono::duration<double>(start - begin).count();
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   nlohmann::json summary = fleet.finish(*end);
   summary["dds"] = nullptr;
   summary["transport"] = "memory";
+  summary["load_s"] = load_s;
   add_cost(summary, {.wall_s = wall_s, .cpu_s = cpu_s, .agent_rss_mb = {}, .station_rss_mb = {}},
            mission.fleet.size());
   finish_results(options, summary);

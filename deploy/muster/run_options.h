@@ -24,6 +24,7 @@ struct RunOptions {
   std::optional<std::uint32_t> domain;
   double duration_s = 0;
   bool print_config = false;
+  bool trace = false;
   bool json = false;
   bool report = true;
 

@@ -1,0 +1,118 @@
+// The real programs fly a part of `pagoda`: the trace does not depend on who carries the messages,
+// nor on load, nor on the order in which they arrive; without the simulated radio robots hear each
+// other; a lost robot does not end the mission.
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kMuster = std::string(MUSTER_BIN_DIR) + "/muster";
+const std::string kPagoda = std::string(MUSTER_SOURCE_DIR) + "/deploy/missions/pagoda.yaml";
+
+struct Place {
+  fs::path path = fs::temp_directory_path() / fmt::format("muster-flight-{}", getpid());
+  Place() { fs::create_directories(path); }
+  ~Place() { fs::remove_all(path); }
+  std::string operator/(const std::string& name) const { return path / name; }
+};
+
+struct Ended {
+  int status = -1;
+  std::string output;
+};
+
+Ended shell(const std::string& command) {
+  Ended ended;
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  std::array<char, 4096> chunk;
+  while (const std::size_t n = fread(chunk.data(), 1, chunk.size(), pipe))
+    ended.output.append(chunk.data(), n);
+  ended.status = WEXITSTATUS(pclose(pipe));
+  return ended;
+}
+
+nlohmann::json summary_of(const std::string& dir) {
+  return nlohmann::json::parse(std::ifstream(dir + "/summary.json"));
+}
+
+/// Keeps both cores busy while it lives.
+class Load {
+ public:
+  Load() {
+    for (pid_t& pid : pids_) {
+      pid = fork();
+      if (pid == 0) {
+        for (std::atomic<unsigned> i = 0;;) ++i;
+      }
+    }
+  }
+  ~Load() {
+    for (const pid_t pid : pids_) {
+      kill(pid, SIGKILL);
+      waitpid(pid, nullptr, 0);
+    }
+  }
+
+ private:
+  std::array<pid_t, 2> pids_{};
+};
+
+}  // namespace
+
+TEST_CASE("the same flight by either vendor, mixed, in memory, under load and out of order") {
+  const Place place;
+  const auto fly = [&](const std::string& name, const std::string& how,
+                       const std::string& environment = "") {
+    const Ended run = shell(fmt::format(
+        "{} timeout 250 {} run {} --seed 1 --duration 40 --no-report --trace --out {} {}",
+        environment, kMuster, kPagoda, place / name, how));
+    INFO(name << ": " << run.output);
+    CHECK(run.status == 3);
+    return summary_of(place / name)["trace_hash"].get<std::string>();
+  };
+  const auto first_difference = [&](const std::string& name) {
+    return shell(fmt::format("diff {} {} | head -3", place / "memory/trace.csv",
+                             place / (name + "/trace.csv")))
+        .output;
+  };
+  const std::string trace = fly("memory", "--transport memory");
+  CHECK(fly("again", "--transport memory") == trace);
+  for (const char* dds : {"cyclonedds", "fastdds", "mixed"}) {
+    const std::string other = fly(dds, fmt::format("--dds {}", dds));
+    INFO(dds << " parts at:\n" << first_difference(dds));
+    CHECK(other == trace);
+  }
+  CHECK(fly("shuffled", "", "MUSTER_DDS_SHUFFLE=1") == trace);
+  const Load load;
+  CHECK(fly("busy", "") == trace);
+}
+
+TEST_CASE("without the simulated radio robots hear each other, and the station's map grows") {
+  const Place place;
+  const Ended run =
+      shell(fmt::format("timeout 100 {} run {} --seed 1 --duration 30 --link direct --speed 1 "
+                        "--no-report "
+                        "--out {}",
+                        kMuster, kPagoda, place / "direct"));
+  INFO(run.output);
+  CHECK(run.status == 3);
+  const auto summary = summary_of(place / "direct");
+  CHECK(summary["collisions"] == 0);
+  CHECK(summary["robots_lost"].empty());
+  // Who explores is not the station: what it knows of the map came over the air.
+  CHECK(summary["map_coverage"].get<double>() > 0.05);
+  CHECK(fs::file_size(place / "direct/map.bt") > 1000);
+}
