@@ -150,7 +150,10 @@ bool Exploration::worth_keeping(const robot::Knowledge& k, const robot::Progress
   const double cell_m2 = std::pow(k.map().config().resolution_m, 2);
   const double counted_m2 =
       static_cast<double>(targets_.looks_counted() - arrived_counted_) * cell_m2;
-  if (goal_->view.look ? counted_m2 < kProgress * goal_->view.worth.owed_m2 + 0.1 : no_volume)
+  // (A cluster that its viewpoint does not show is given up by the targets themselves.)
+  const bool in_vain =
+      goal_->view.look ? counted_m2 < kProgress * goal_->view.worth.owed_m2 + 0.1 : no_volume;
+  if (in_vain && !goal_->cluster)
     barred_.push_back({pose, 0.5, k.now() + Duration::from_s(kBarred_s)});
   return false;
 }

@@ -54,7 +54,8 @@ void YamlMap::fail(const std::string& key, const std::string& message) const {
   if (!key.empty() && node_.IsMap() && node_[key]) at = node_[key].Mark().line;
   std::string name = path_ + key;
   if (!name.empty() && name.back() == '.') name.pop_back();
-  throw BadInput(file_ + ":" + std::to_string(at + 1) + ": " + (name.empty() ? "" : name + ": ") + message);
+  throw BadInput(file_ + ":" + std::to_string(at + 1) + ": " + (name.empty() ? "" : name + ": ") +
+                 message);
 }
 
 void YamlMap::convert(const YAML::Node& n, const std::string& key, double& value) {

@@ -17,7 +17,9 @@ Vec3 to_world(const Box& b, const Vec3& q) {
 
 }  // namespace
 
-Box Box::from_corners(const Vec3& low, const Vec3& high) { return {(low + high) / 2, high - low, 0}; }
+Box Box::from_corners(const Vec3& low, const Vec3& high) {
+  return {(low + high) / 2, high - low, 0};
+}
 
 bool Box::contains(const Vec3& p, double margin_m) const {
   const Vec3 half = size / 2 + Vec3::Constant(margin_m);

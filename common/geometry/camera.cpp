@@ -15,7 +15,8 @@ bool FieldOfView::contains(const Pose& sensor, double pitch_rad, const Vec3& p) 
 }
 
 Vec3 ray_direction(double yaw_rad, double pitch_rad, double az_rad, double el_rad) {
-  const Vec3 s(std::cos(el_rad) * std::cos(az_rad), std::cos(el_rad) * std::sin(az_rad), std::sin(el_rad));
+  const Vec3 s(std::cos(el_rad) * std::cos(az_rad), std::cos(el_rad) * std::sin(az_rad),
+               std::sin(el_rad));
   const double cp = std::cos(pitch_rad), sp = std::sin(pitch_rad);
   const Vec3 level(cp * s.x() - sp * s.z(), s.y(), sp * s.x() + cp * s.z());
   const double cy = std::cos(yaw_rad), sy = std::sin(yaw_rad);

@@ -17,6 +17,7 @@ constexpr int kSearchesWhenIdle = 24;  // nothing else to go to: the robot waits
 constexpr std::uint64_t kGrowthThatMatters =
     40;                           // voxels become known: refused clusters are tried again
 constexpr int kVisitsInVain = 4;  // counted 2 for a scan from the very viewpoint, 1 from near it
+constexpr int kLooksInVain = 2;   // a look is all or nothing: the next shows the same
 constexpr double kSliver = 0.3;   // of the smallest cluster
 constexpr double kSameClusterM = 1.0, kMovedM = 0.3;
 
@@ -155,7 +156,7 @@ void Targets::Impl::visit(std::vector<Tracked>& clusters, const Pose& sensor,
         t.cells_at_visit = t.cluster.cells.size();
       }
       t.visits += off_m < 0.25 && off_rad < 0.15 ? 2 : 1;
-      if (t.visits < kVisitsInVain) break;
+      if (t.visits < (t.surface ? kLooksInVain : kVisitsInVain)) break;
       // Once more from elsewhere, then enough.
       t.exhausted = !t.avoid.empty();
       t.avoid.push_back(t.views[v].pose.p);

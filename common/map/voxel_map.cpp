@@ -245,10 +245,11 @@ void VoxelMap::write_bt(const std::string& path) const {
   std::ofstream file(path, std::ios::binary);
   tree.toMaxLikelihood();
   tree.prune();
-  file << "# Octomap OcTree binary file\n# (feel free to add / change comments, but leave the first "
-          "line as it is!)\n#\nid "
-       << tree.getTreeType() << "\nsize " << tree.size() << "\nres " << tree.getResolution()
-       << "\ndata\n";
+  file
+      << "# Octomap OcTree binary file\n# (feel free to add / change comments, but leave the first "
+         "line as it is!)\n#\nid "
+      << tree.getTreeType() << "\nsize " << tree.size() << "\nres " << tree.getResolution()
+      << "\ndata\n";
   tree.writeBinaryData(file);
   if (!file.flush()) throw Failure(path + ": cannot be written");
 }

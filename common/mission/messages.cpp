@@ -38,7 +38,8 @@ const Name& name_of(MessageClass c) {
   for (const Name& n : kNames) {
     if (n.cls == c) return n;
   }
-  throw BadInput("message class " + std::to_string(static_cast<std::uint32_t>(c)) + " is not one of ours");
+  throw BadInput("message class " + std::to_string(static_cast<std::uint32_t>(c)) +
+                 " is not one of ours");
 }
 
 }  // namespace
@@ -49,15 +50,22 @@ const char* type_name(MessageClass c) { return name_of(c).type; }
 MessageClass message_class(store::RecordClass cls) {
   switch (cls) {
     case store::RecordClass::kInspection:
-    case store::RecordClass::kImage: return MessageClass::kInspection;
-    case store::RecordClass::kMeeting: return MessageClass::kMeeting;
+    case store::RecordClass::kImage:
+      return MessageClass::kInspection;
+    case store::RecordClass::kMeeting:
+      return MessageClass::kMeeting;
     case store::RecordClass::kRequest:
-    case store::RecordClass::kStatus: return MessageClass::kStatus;
-    case store::RecordClass::kPlan: return MessageClass::kPlan;
-    case store::RecordClass::kArea: return MessageClass::kArea;
-    case store::RecordClass::kMap: return MessageClass::kMapBlock;
+    case store::RecordClass::kStatus:
+      return MessageClass::kStatus;
+    case store::RecordClass::kPlan:
+      return MessageClass::kPlan;
+    case store::RecordClass::kArea:
+      return MessageClass::kArea;
+    case store::RecordClass::kMap:
+      return MessageClass::kMapBlock;
   }
-  throw BadInput("record class " + std::to_string(static_cast<std::uint32_t>(cls)) + " is not one of ours");
+  throw BadInput("record class " + std::to_string(static_cast<std::uint32_t>(cls)) +
+                 " is not one of ours");
 }
 
 }  // namespace muster::mission

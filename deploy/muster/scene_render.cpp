@@ -114,7 +114,8 @@ Color shade(const world::Scene& scene, const Vec3& p, const Vec3& n) {
   const Vec3 side = n.cross(std::abs(n.z()) < 0.9 ? Vec3::UnitZ() : Vec3::UnitX()).normalized();
   const Vec3 other = n.cross(side);
   // A different turn of the rays at every point: grain is kinder to the eye than stripes.
-  const double grain = std::abs(std::remainder(127.1 * p.x() + 311.7 * p.y() + 74.7 * p.z(), 1.0)) * 2;
+  const double grain =
+      std::abs(std::remainder(127.1 * p.x() + 311.7 * p.y() + 74.7 * p.z(), 1.0)) * 2;
   int open = 0;
   constexpr int kRays = 12;
   for (int i = 0; i < kRays; ++i) {

@@ -22,10 +22,14 @@ TEST_CASE("a field of view contains exactly the rays that it casts") {
   const double pitch = -0.4;
   for (double az : {-0.78, 0.0, 0.78}) {
     for (double el : {-0.52, 0.0, 0.52}) {
-      CHECK(fov.contains(sensor, pitch, sensor.p + 4.9 * ray_direction(sensor.yaw_rad, pitch, az, el)));
+      CHECK(fov.contains(sensor, pitch,
+                         sensor.p + 4.9 * ray_direction(sensor.yaw_rad, pitch, az, el)));
     }
   }
-  CHECK_FALSE(fov.contains(sensor, pitch, sensor.p + 4.9 * ray_direction(sensor.yaw_rad, pitch, 0.8, 0)));
-  CHECK_FALSE(fov.contains(sensor, pitch, sensor.p + 4.9 * ray_direction(sensor.yaw_rad, pitch, 0, 0.53)));
-  CHECK_FALSE(fov.contains(sensor, pitch, sensor.p + 5.1 * ray_direction(sensor.yaw_rad, pitch, 0, 0)));
+  CHECK_FALSE(
+      fov.contains(sensor, pitch, sensor.p + 4.9 * ray_direction(sensor.yaw_rad, pitch, 0.8, 0)));
+  CHECK_FALSE(
+      fov.contains(sensor, pitch, sensor.p + 4.9 * ray_direction(sensor.yaw_rad, pitch, 0, 0.53)));
+  CHECK_FALSE(
+      fov.contains(sensor, pitch, sensor.p + 5.1 * ray_direction(sensor.yaw_rad, pitch, 0, 0)));
 }
