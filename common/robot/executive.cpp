@@ -6,13 +6,23 @@
 namespace muster::robot {
 namespace {
 
-constexpr double kObstacleLife_s =
-    1.0;  // an unheard body may move: what was seen longer ago says little
+// An unheard body is remembered until the place is seen free again, or this long: what stands may
+// stand on when the camera turns away.
+constexpr double kObstacleLife_s = 5.0;
+constexpr double kObstacleSize_m = 0.4;    // returns this near each other are one body's
+constexpr double kFieldMargin_rad = 0.05;  // a body at the edge of the view may be half in it
+constexpr double kLidarPlane_m = 0.3;
 constexpr double kObstacleRadius_m = 0.3;
 constexpr double kRecheck_s = 0.2;
 constexpr double kRetry_s = 0.5;
 constexpr double kNoWay_s =
-    2.0;  // a search that failed costs most, and the map seldom changes the answer at once
+    2.0;  // a search that failed costs most, and the map seldom changes the answer at once:
+constexpr double kNoWayLongest_s = 10;  // each failure doubles the wait, up to this
+// What is planned keeps more distance from teammates than what is flown on: no braking for a
+// centimetre.
+constexpr double kPlanMargin_m = 0.4, kFlyMargin_m = 0.25;
+constexpr double kCorners_m[] = {0.25, 0.1, 0.02};  // rounding; less where it touches the map
+constexpr double kMakeRoomAfter_s = 2.0, kMakeRoomWithin_m = 3.0, kMakeRoomPause_s = 6.0;
 constexpr double kTransitReplan_s = 0.7;  // a little more than one scan period
 constexpr double kStepAsideAfter_s = 3.0;
 constexpr double kMoverMemory_s = 2.0;
@@ -49,6 +59,24 @@ void Executive::on_unexplained(SimTime now, const std::vector<Vec3>& points) {
   }
 }
 
+void Executive::on_seen(const map::VoxelMap& map, const map::RangeScan& scan,
+                        const std::vector<Vec3>& unexplained) {
+  std::erase_if(obstacles_, [&](const Obstacle& o) {
+    if (std::any_of(unexplained.begin(), unexplained.end(),
+                    [&](const Vec3& p) { return (p - o.p).norm() < kObstacleSize_m; }))
+      return false;
+    const Vec3 d = o.p - scan.sensor.p;
+    if (d.norm() > scan.range_m) return false;
+    const double bearing = std::abs(wrap_angle(std::atan2(d.y(), d.x()) - scan.sensor.yaw_rad));
+    const double above = std::abs(std::atan2(d.z(), d.head<2>().norm()) - scan.pitch_rad);
+    const bool lidar = scan.vfov_rad <= 0;
+    const bool in_view =
+        bearing < scan.hfov_rad / 2 - kFieldMargin_rad &&
+        (lidar ? std::abs(d.z()) < kLidarPlane_m : above < scan.vfov_rad / 2 - kFieldMargin_rad);
+    return in_view && map.line_of_sight(scan.sensor.p, o.p, true);
+  });
+}
+
 nav::State Executive::state(const Knowledge& k) const {
   const mission::Odometry& o = k.odometry();
   return {k.now(), o.pose.p, o.velocity_mps, o.pose.yaw_rad};
@@ -75,7 +103,42 @@ void Executive::look_around(Knowledge& k) {
       if (t.t > mover.announced.back().t)
         mover.announced.push_back({t.t, t.pose.p, Vec3::Zero(), t.pose.yaw_rad});
     }
+    note_standing(now, mate);
     movers_.push_back(std::move(mover));
+  }
+}
+
+/// Teammates who are on their way and yet stand still: somebody may be in their way.
+void Executive::note_standing(SimTime now, const Teammate& mate) {
+  using mission::Activity;
+  const mission::Beacon& b = mate.beacon;
+  const bool on_its_way = b.activity == Activity::kTravelling ||
+                          b.activity == Activity::kReturning || b.activity == Activity::kExploring;
+  const bool stands =
+      b.velocity_mps.norm() < 0.05 &&
+      (b.trajectory.empty() || (b.trajectory.back().pose.p - b.pose.p).norm() < 0.05);
+  if (on_its_way && stands)
+    standing_since_.try_emplace(b.envelope.src, now);
+  else
+    standing_since_.erase(b.envelope.src);
+}
+
+/// Who has nothing to do here makes room for a neighbour that is on its way and cannot go on.
+void Executive::make_room(Knowledge& k, Commands& commands) {
+  const SimTime now = k.now();
+  const auto state = k.odometry().state;
+  if (now < room_again_ || !resting(now) || request_open_ || limits_.ground ||
+      state == mission::VehicleState::kLanded || state == mission::VehicleState::kLanding)
+    return;
+  for (const nav::Mover& m : movers_) {
+    const auto since = standing_since_.find(m.robot);
+    if (since == standing_since_.end() || (now - since->second).s() < kMakeRoomAfter_s) continue;
+    if ((m.announced.back().p - k.position()).norm() > kMakeRoomWithin_m) continue;
+    blocked_by_ = m.robot;
+    room_again_ = now + Duration::from_s(kMakeRoomPause_s);
+    step_aside(k, commands);
+    blocked_since_.reset();
+    return;
   }
 }
 
@@ -97,6 +160,7 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
     landing_ = false;
     transit_stuck_ = 0;
     partial_ = false;
+    no_way_ = 0;
     progress_.state = Progress::State::kMoving;
   }
   intent_ = intent;
@@ -110,6 +174,7 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
   if (intent.kind == Intent::Kind::kHover) {
     progress_.state = Progress::State::kIdle;
     blocked_since_.reset();
+    make_room(k, commands);
     return commands;
   }
   if (!safe) return commands;
@@ -138,6 +203,7 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
       commands.trajectory = land;
       trajectory_ = {};
     }
+    if (intent.kind == Intent::Kind::kGo) make_room(k, commands);
     return commands;
   }
   if (landing_) return commands;
@@ -165,7 +231,8 @@ bool Executive::stay_safe(Knowledge& k, Commands& commands) {
   if (!due) return true;
   checked_revision_ = k.map().revision();
   checked_at_ = now;
-  const auto unsafe = nav::check(trajectory_, now, k.map(), radius_m_, movers_, obstacle_spheres_);
+  const auto unsafe =
+      nav::check(trajectory_, now, k.map(), radius_m_, movers_, obstacle_spheres_, kFlyMargin_m);
   if (!unsafe) return true;
 
   const double ahead_s = (unsafe->t - now).s();
@@ -201,10 +268,11 @@ void Executive::plan(Knowledge& k, const Intent& intent, Commands& commands) {
   const std::vector<map::Sphere> around = parked(k.now());
   const auto found = k.paths().find(k.position(), intent.goal.p, tolerance_m, around);
   if (found.path) {
+    no_way_ = 0;
     fly(k, *found.path, intent, commands);
     return;
   }
-  plan_again_ = k.now() + Duration::from_s(kNoWay_s);
+  no_way(k.now());
   // Parked teammates may be all that is in the way.
   RobotId by = kNoRobot;
   if (!around.empty() && k.paths().find(k.position(), intent.goal.p, tolerance_m).path) {
@@ -228,9 +296,10 @@ void Executive::plan_transit(Knowledge& k, const Intent& intent, Commands& comma
   if (!way.path) {
     if (avoid_.empty()) blocked(now, way.reason);
     avoid_.clear();
-    plan_again_ = now + Duration::from_s(kNoWay_s);
+    no_way(now);
     return;
   }
+  no_way_ = 0;
   if (way.known.points.empty()) return;
   if ((way.known.points.back() - way.path->points.back()).norm() < 0.05) {
     fly(k, way.known, intent, commands);
@@ -270,23 +339,31 @@ void Executive::plan_transit(Knowledge& k, const Intent& intent, Commands& comma
 bool Executive::fly(Knowledge& k, const nav::Path& path, const Intent& intent, Commands& commands) {
   std::optional<double> yaw;
   if (intent.use_yaw) yaw = intent.goal.yaw_rad;
+  std::optional<nav::Unsafe> unsafe;
   for (const double scale : {1.0, 0.5}) {
-    nav::Trajectory t = nav::time_path(path, {state(k), yaw, scale}, limits_);
-    const auto unsafe = nav::check(t, k.now(), k.map(), radius_m_, movers_, obstacle_spheres_);
-    if (!unsafe) {
-      blocked_since_.reset();
-      command(k, std::move(t), commands);
-      progress_.state = Progress::State::kMoving;
-      return true;
+    for (const double corner_m : kCorners_m) {
+      nav::Trajectory t = nav::time_path(path, {state(k), yaw, scale}, limits_, corner_m);
+      unsafe =
+          nav::check(t, k.now(), k.map(), radius_m_, movers_, obstacle_spheres_, kPlanMargin_m);
+      if (!unsafe) {
+        blocked_since_.reset();
+        command(k, std::move(t), commands);
+        progress_.state = Progress::State::kMoving;
+        return true;
+      }
+      if (unsafe->with != "map") break;
     }
-    if (scale < 1 || unsafe->robot == kNoRobot) {
-      // From rest, the free part of the way is worth flying; moving, what is being flown has been
-      // checked already.
-      if (resting(k.now())) blocked(k.now(), "unsafe: " + unsafe->with, unsafe->robot);
-      break;
-    }
+    if (unsafe->robot == kNoRobot) break;
   }
+  // What is being flown has been checked already; from rest, wait.
+  if (resting(k.now())) blocked(k.now(), "unsafe: " + unsafe->with, unsafe->robot);
   return false;
+}
+
+/// The next search waits longer, the oftener there was no way.
+void Executive::no_way(SimTime now) {
+  plan_again_ = now + Duration::from_s(std::min(kNoWayLongest_s, kNoWay_s * (1 << no_way_)));
+  no_way_ = std::min(no_way_ + 1, 4);
 }
 
 void Executive::step_aside(Knowledge& k, Commands& commands) {
@@ -304,7 +381,8 @@ void Executive::step_aside(Knowledge& k, Commands& commands) {
       const auto found = k.paths().find(k.position(), goal, 0.3);
       if (!found.path || found.path->length_m() > 2 * radius) continue;
       nav::Trajectory t = nav::time_path(*found.path, {state(k), std::nullopt, 1}, limits_);
-      if (nav::check(t, k.now(), k.map(), radius_m_, movers_, obstacle_spheres_)) continue;
+      if (nav::check(t, k.now(), k.map(), radius_m_, movers_, obstacle_spheres_, kPlanMargin_m))
+        continue;
       aside_until_ = t.end() + Duration::from_s(goes_first(k, blocked_by_) ? 0.5 : 2.0);
       blocked_since_.reset();
       command(k, std::move(t), commands);

@@ -21,7 +21,8 @@ namespace muster::robot {
 ///
 /// Right of way: the smaller (role, id) goes first; the other brakes, goes round, and after a while
 /// steps aside. Both brake when it gets close. Bodies seen but not heard (radio off, dead robots)
-/// are short-lived obstacles that everybody brakes for.
+/// are short-lived obstacles that everybody brakes for. Who stands idle makes room for a neighbour
+/// that stands although it is on its way.
 class Executive {
  public:
   explicit Executive(const mission::Mission& mission, RobotId self);
@@ -37,6 +38,10 @@ class Executive {
   /// Returns of a scan that fit neither the map nor a teammate.
   void on_unexplained(SimTime now, const std::vector<Vec3>& points);
 
+  /// What a scan saw through is no obstacle any more.
+  void on_seen(const map::VoxelMap& map, const map::RangeScan& scan,
+               const std::vector<Vec3>& unexplained);
+
   const Progress& progress() const { return progress_; }
   const nav::Trajectory& trajectory() const { return trajectory_; }
 
@@ -47,6 +52,9 @@ class Executive {
   };
 
   void look_around(Knowledge& knowledge);
+  void note_standing(SimTime now, const Teammate& mate);
+  void make_room(Knowledge& knowledge, Commands& commands);
+  void no_way(SimTime now);
   bool stay_safe(Knowledge& knowledge, Commands& commands);
   void plan(Knowledge& knowledge, const Intent& intent, Commands& commands);
   void plan_transit(Knowledge& knowledge, const Intent& intent, Commands& commands);
@@ -74,6 +82,9 @@ class Executive {
   std::optional<SimTime> blocked_since_;
   RobotId blocked_by_ = kNoRobot;
   std::optional<SimTime> aside_until_;
+  std::map<RobotId, SimTime> standing_since_;  // teammates that want to go and stand
+  SimTime room_again_;
+  int no_way_ = 0;  // searches in a row that found none
 
   std::uint64_t checked_revision_ = 0;
   SimTime checked_at_;

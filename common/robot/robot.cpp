@@ -104,7 +104,9 @@ void Robot::take_scan(const mission::Scan& scan) {
   sweep.vfov_rad = static_cast<double>(scan.vfov_rad);
   sweep.range_m = static_cast<double>(scan.range_m);
   sweep.range_mm = scan.range_mm;
-  executive_.on_unexplained(knowledge_.now(), knowledge_.map().integrate(sweep, mates).unexplained);
+  const std::vector<Vec3> unexplained = knowledge_.map().integrate(sweep, mates).unexplained;
+  executive_.on_seen(knowledge_.map(), sweep, unexplained);
+  executive_.on_unexplained(knowledge_.now(), unexplained);
   strategy_->on_scan(knowledge_, scan);
 }
 
