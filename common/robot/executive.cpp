@@ -21,10 +21,17 @@ constexpr double kNoWayLongest_s = 10;  // each failure doubles the wait, up to 
 // What is planned keeps more distance from teammates than what is flown on: no braking for a
 // centimetre.
 constexpr double kPlanMargin_m = 0.4, kFlyMargin_m = 0.25;
+constexpr double kMapClearance_m = 0.1;             // what the search keeps from bodies, too
 constexpr double kCorners_m[] = {0.25, 0.1, 0.02};  // rounding; less where it touches the map
 constexpr double kMakeRoomAfter_s = 2.0, kMakeRoomWithin_m = 3.0, kMakeRoomPause_s = 6.0;
 constexpr double kTransitReplan_s = 0.7;  // a little more than one scan period
 constexpr double kStepAsideAfter_s = 3.0;
+// Somebody is to be met: the way ends this far from the place, within sight of it. It may stand
+// there silent, and below and above the camera does not look.
+constexpr double kBeforeSomebody_m = 1.4;
+constexpr double kNextToGoal_m = 0.7;  // at the end of the way, this near: as near as it gets
+constexpr double kTaken_m = 0.9;  // a body this near a landing place, seen from above, takes it
+constexpr int kLandingTries = 8;  // then it lands where it is, rather than hover until it falls
 constexpr double kMoverMemory_s = 2.0;
 constexpr double kSettled_m = 0.12, kSettled_rad = 0.08;
 
@@ -33,6 +40,28 @@ bool same_goal(const Intent& a, const Intent& b) {
          (a.goal.p - b.goal.p).norm() < 0.02 &&
          (!a.use_yaw || std::abs(wrap_angle(a.goal.yaw_rad - b.goal.yaw_rad)) < 0.02) &&
          a.area == b.area;
+}
+
+bool to_meet(const Intent& intent) {
+  return intent.kind == Intent::Kind::kGo && intent.with != kNoRobot && !intent.use_yaw;
+}
+
+/// `path` without its last stretch, as long as `goal` stays in sight.
+nav::Path short_of(const nav::Path& path, const Vec3& goal, const map::VoxelMap& map) {
+  nav::Path cut = path;
+  while (cut.points.size() > 1) {
+    const Vec3 from = cut.points[cut.points.size() - 2], to = cut.points.back();
+    const auto steps = std::max(1, static_cast<int>(std::ceil((to - from).norm() / 0.1)));
+    for (int i = steps; i >= 0; --i) {
+      const Vec3 p = from + (to - from) * i / steps;
+      if (!map.line_of_sight(p, goal, true)) return cut;
+      cut.points.back() = p;
+      if ((p - goal).norm() >= kBeforeSomebody_m) return cut;
+    }
+    cut.points.pop_back();
+  }
+  if (cut.points.size() == 1) cut.points.push_back(cut.points.front());
+  return cut;
 }
 
 }  // namespace
@@ -161,6 +190,9 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
     transit_stuck_ = 0;
     partial_ = false;
     no_way_ = 0;
+    way_done_ = false;
+    landing_at_.reset();
+    landing_tries_ = 0;
     progress_.state = Progress::State::kMoving;
   }
   intent_ = intent;
@@ -179,12 +211,15 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
   }
   if (!safe) return commands;
 
-  const double off_m = (k.position() - intent.goal.p).norm();
+  const Vec3 goal = landing_at_.value_or(intent.goal.p);
+  const double off_m = (k.position() - goal).norm();
   const double off_rad =
       intent.use_yaw ? std::abs(wrap_angle(k.odometry().pose.yaw_rad - intent.goal.yaw_rad)) : 0;
   const bool precise = intent.use_yaw || intent.kind != Intent::Kind::kGo;
-  const bool there = off_m <= (precise ? std::min(intent.tolerance_m, 0.3) : intent.tolerance_m) &&
-                     off_rad <= kSettled_rad;
+  const bool near = off_m <= (precise ? std::min(intent.tolerance_m, 0.3) : intent.tolerance_m) ||
+                    (way_done_ && off_m <= kNextToGoal_m) ||
+                    (to_meet(intent) && way_done_ && off_m <= 2 * kBeforeSomebody_m);
+  const bool there = near && off_rad <= kSettled_rad;
 
   if (there && resting(now)) {
     progress_.state = Progress::State::kArrived;
@@ -194,6 +229,11 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
       commands.inspect =
           mission::Inspect{{}, ++request_n_, intent.area_position, k.mission().inspect.hold_s};
       request_open_ = true;
+    }
+    if (intent.kind == Intent::Kind::kLand && !landing_ && !limits_.ground &&
+        landing_tries_ < kLandingTries && taken(k.map(), k.position())) {
+      if (now >= plan_again_) find_landing(k, intent, commands);
+      return commands;
     }
     if (intent.kind == Intent::Kind::kLand && !landing_) {
       landing_ = true;
@@ -212,7 +252,9 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
   if (plan_due_ || retry) {
     plan_due_ = false;
     plan_again_ = now + Duration::from_s(kRetry_s);
-    plan(k, intent, commands);
+    Intent there_too = intent;
+    there_too.goal.p = goal;
+    plan(k, there_too, commands);
   }
   if (blocked_since_ && blocked_by_ != kNoRobot && resting(now)) {
     const double patience_s = kStepAsideAfter_s * (goes_first(k, blocked_by_) ? 2 : 1);
@@ -249,12 +291,13 @@ bool Executive::stay_safe(Knowledge& k, Commands& commands) {
   return false;
 }
 
+/// Bodies that a way has to go round; the search adds our own body and clearance to them.
 std::vector<map::Sphere> Executive::parked(SimTime now) const {
   std::vector<map::Sphere> spheres = obstacle_spheres_;
-  for (map::Sphere& s : spheres) s.radius_m += radius_m_ + 0.1;
+  for (map::Sphere& s : spheres) s.radius_m += kPlanMargin_m - kMapClearance_m;
   for (const nav::Mover& m : movers_) {
     if (m.announced.back().t > now + Duration::from_s(1)) continue;
-    spheres.push_back({m.announced.back().p, m.radius_m + radius_m_ + 0.2});
+    spheres.push_back({m.announced.back().p, m.radius_m + kPlanMargin_m - kMapClearance_m + 0.02});
   }
   return spheres;
 }
@@ -336,7 +379,11 @@ void Executive::plan_transit(Knowledge& k, const Intent& intent, Commands& comma
   if (d.head<2>().norm() > 0.1) turn(k, std::atan2(d.y(), d.x()), commands);
 }
 
-bool Executive::fly(Knowledge& k, const nav::Path& path, const Intent& intent, Commands& commands) {
+bool Executive::fly(Knowledge& k, const nav::Path& whole, const Intent& intent,
+                    Commands& commands) {
+  const nav::Path path =
+      to_meet(intent) && !partial_ ? short_of(whole, intent.goal.p, k.map()) : whole;
+  way_done_ = !partial_ && path.length_m() < 0.05;
   std::optional<double> yaw;
   if (intent.use_yaw) yaw = intent.goal.yaw_rad;
   std::optional<nav::Unsafe> unsafe;
@@ -364,6 +411,52 @@ bool Executive::fly(Knowledge& k, const nav::Path& path, const Intent& intent, C
 void Executive::no_way(SimTime now) {
   plan_again_ = now + Duration::from_s(std::min(kNoWayLongest_s, kNoWay_s * (1 << no_way_)));
   no_way_ = std::min(no_way_ + 1, 4);
+}
+
+/// Something stands where a landing at `p` would come down: it rises from the ground around.
+bool Executive::taken(const map::VoxelMap& map, const Vec3& p) const {
+  constexpr double kAround_m = 1.0, kDown_m = 2.0, kRises_m = 0.35;
+  const double edge_m = map.config().resolution_m;
+  const double lowest_z = map.config().bounds.low().z();
+  double ground_z = p.z(), top_z = p.z() - kDown_m;
+  for (double dx = -kAround_m; dx <= kAround_m; dx += edge_m) {
+    for (double dy = -kAround_m; dy <= kAround_m; dy += edge_m) {
+      for (double z = p.z(); z > p.z() - kDown_m; z -= edge_m) {
+        if (map.at(Vec3(p.x() + dx, p.y() + dy, z)) != map::Voxel::kOccupied) continue;
+        ground_z = std::min(ground_z, z);
+        if (std::hypot(dx, dy) < radius_m_ + edge_m) top_z = std::max(top_z, z);
+      }
+    }
+  }
+  ground_z = std::max(ground_z, lowest_z);  // depth noise reaches below the site
+  return top_z > ground_z + kRises_m ||
+         std::any_of(obstacles_.begin(), obstacles_.end(), [&](const Obstacle& o) {
+           return o.p.z() < p.z() + radius_m_ && (o.p - p).head<2>().norm() < kTaken_m;
+         });
+}
+
+/// Its own place is taken: the nearest one beside it that is nobody's.
+void Executive::find_landing(Knowledge& k, const Intent& intent, Commands& commands) {
+  plan_again_ = k.now() + Duration::from_s(kNoWay_s);
+  ++landing_tries_;
+  for (const double radius : {1.2, 1.8, 2.4}) {
+    for (int i = 0; i < 12; ++i) {
+      const double a = i * std::numbers::pi / 6;
+      const Vec3 spot = intent.goal.p + radius * Vec3(std::cos(a), std::sin(a), 0);
+      const auto& fleet = k.mission().fleet;
+      const bool owned = std::any_of(fleet.begin(), fleet.end(), [&](const auto& r) {
+        return r.id != self_ && (r.start.p - spot).template head<2>().norm() < kTaken_m;
+      });
+      if (owned || taken(k.map(), spot) || !k.map().traversable(spot)) continue;
+      const auto found = k.paths().find(k.position(), spot, 0.1, obstacle_spheres_);
+      if (!found.path) continue;
+      Intent beside = intent;
+      beside.goal.p = spot;
+      if (!fly(k, *found.path, beside, commands)) continue;
+      landing_at_ = spot;
+      return;
+    }
+  }
 }
 
 void Executive::step_aside(Knowledge& k, Commands& commands) {

@@ -55,11 +55,13 @@ class Executive {
   void note_standing(SimTime now, const Teammate& mate);
   void make_room(Knowledge& knowledge, Commands& commands);
   void no_way(SimTime now);
+  bool taken(const map::VoxelMap& map, const Vec3& p) const;
+  void find_landing(Knowledge& knowledge, const Intent& intent, Commands& commands);
   bool stay_safe(Knowledge& knowledge, Commands& commands);
   void plan(Knowledge& knowledge, const Intent& intent, Commands& commands);
   void plan_transit(Knowledge& knowledge, const Intent& intent, Commands& commands);
   void step_aside(Knowledge& knowledge, Commands& commands);
-  bool fly(Knowledge& knowledge, const nav::Path& path, const Intent& intent, Commands& commands);
+  bool fly(Knowledge& knowledge, const nav::Path& whole, const Intent& intent, Commands& commands);
   std::vector<map::Sphere> parked(SimTime now) const;
   void turn(Knowledge& knowledge, double yaw_rad, Commands& commands);
   void brake(Knowledge& knowledge, Commands& commands);
@@ -84,7 +86,10 @@ class Executive {
   std::optional<SimTime> aside_until_;
   std::map<RobotId, SimTime> standing_since_;  // teammates that want to go and stand
   SimTime room_again_;
-  int no_way_ = 0;  // searches in a row that found none
+  std::optional<Vec3> landing_at_;  // instead of a landing place that is taken
+  int landing_tries_ = 0;
+  bool way_done_ = false;  // the last way found ends here
+  int no_way_ = 0;         // searches in a row that found none
 
   std::uint64_t checked_revision_ = 0;
   SimTime checked_at_;
