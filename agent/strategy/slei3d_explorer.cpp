@@ -73,7 +73,7 @@ robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress&
     subgroup_.allocate(k, k.declared_complete() ? kNoRegion : region,
                        exploration_ && !exploration_->done(), planning_);
   if (agreement_.update(k)) agreed_here_ = true;
-  if (k.in_contact(station_)) tell_progress(k);
+  tell_progress(k);
 
   if (k.declared_complete() || released_) {
     if (auto intent = say_farewell(k, progress)) return *intent;
@@ -91,10 +91,7 @@ robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress&
 
   if (!exploration_->done()) {
     const mission::Rung rung = agreement_.next(k);
-    const double travel_s =
-        nav::travel_time_s(kDetour * (rung.place - k.position()).norm(), k.limits());
     const double budget_s = std::max(0.0, (rung.from - k.now()).s() - kLeaveMargin_s);
-    (void)travel_s;
     if (auto intent = exploration_->next(k, progress, budget_s, rung.place, planning_))
       return *intent;
     robot::Intent look;
@@ -257,7 +254,8 @@ void Slei3dExplorer::tell_progress(robot::Knowledge& k) {
   }
   const bool news = told_.regions.empty() || told_.regions[0].region != p.region ||
                     told_.regions[0].state != p.state;
-  if (!news && (k.now() - told_at_).s() < kTellEvery_s) return;
+  const bool due = k.in_contact(station_) && (k.now() - told_at_).s() >= kTellEvery_s;
+  if (!news && !due) return;
   p.explored_m3 = static_cast<float>(exploration_->known_m3(k));
   p.volume_m3 = static_cast<float>(exploration_->volume_m3(k));
   told_ = {};

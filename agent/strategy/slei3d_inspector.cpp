@@ -11,7 +11,7 @@ namespace muster::agent {
 namespace {
 
 constexpr double kBlockedPose_s = 4;
-constexpr int kMaxAttempts = 12;  // looks in vain before an area is reported as not to be seen
+constexpr int kMaxAttempts = 20;  // looks in vain before an area is reported as not to be seen
 constexpr int kLooksInARow = 3;
 constexpr double kRetryArea_s = 12;  // the map grows meanwhile
 constexpr double kMoved_m = 0.4, kStuck_s = 10;
@@ -156,6 +156,14 @@ bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& r
   return false;
 }
 
+/// Its explorer says that the area's region is explored, or has moved on to another one.
+bool Slei3dInspector::explored(const robot::Knowledge& k, const mission::AreaRef& ref) {
+  const auto* health = k.health(ref.author);
+  if (!health || health->body.regions.empty()) return false;
+  const mission::RegionProgress& p = health->body.regions.front();
+  return p.region != k.areas().at(ref).area.region || p.state >= mission::RegionState::kExplored;
+}
+
 /// Refused: look from elsewhere, at once while there is a fair chance. Not to be reached or out of
 /// sight: the others first.
 void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
@@ -166,10 +174,16 @@ void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
 }
 
 /// The others first: meanwhile the map grows. After the last attempt the area is reported as not to
-/// be seen.
+/// be seen, but not before its region is explored: until then a better place to look from may still
+/// become known.
 void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref) {
   not_before_[ref] = k.now() + Duration::from_s(kRetryArea_s);
   if (attempts_[ref] < kMaxAttempts) return;
+  if (!explored(k, ref)) {
+    attempts_[ref] = kMaxAttempts / 2;
+    not_before_[ref] = k.now() + Duration::from_s(kRetryUnexplored_s);
+    return;
+  }
   mission::Inspection result;
   result.area = ref;
   result.area_position = k.areas().at(ref).area.position;

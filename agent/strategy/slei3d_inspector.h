@@ -38,6 +38,7 @@ class Slei3dInspector : public robot::Strategy {
   bool choose_pose(robot::Knowledge& k, const mission::AreaRef& ref);
   void give_up_pose(robot::Knowledge& k, bool refused);
   void postpone(robot::Knowledge& k, const mission::AreaRef& ref);
+  static bool explored(const robot::Knowledge& k, const mission::AreaRef& ref);
   void report(robot::Knowledge& k, const mission::Inspected& inspected);
   void publish_route(robot::Knowledge& k, const Orders& orders);
   Vec3 route_end(robot::Knowledge& k, const Orders& orders) const;
