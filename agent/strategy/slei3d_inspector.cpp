@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kBlockedPose_s = 4;
 constexpr int kMaxAttempts = 20;  // looks in vain before an area is reported as not to be seen
+constexpr double kRetryUnexplored_s = 60;
 constexpr int kLooksInARow = 3;
 constexpr double kRetryArea_s = 12;  // the map grows meanwhile
 constexpr double kMoved_m = 0.4, kStuck_s = 10;
