@@ -30,8 +30,9 @@ constexpr double kStepAsideAfter_s = 3.0;
 // there silent, and below and above the camera does not look.
 constexpr double kBeforeSomebody_m = 1.4;
 constexpr double kNextToGoal_m = 0.7;  // at the end of the way, this near: as near as it gets
-constexpr double kTaken_m = 0.9;  // a body this near a landing place, seen from above, takes it
-constexpr int kLandingTries = 8;  // then it lands where it is, rather than hover until it falls
+constexpr double kTaken_m = 0.6;  // a return this near a landing place, seen from above, takes it
+constexpr double kNeighbour_m = 0.9;  // what is nearer to a teammate's start is the teammate's
+constexpr int kLandingTries = 8;      // then it lands where it is, rather than hover until it falls
 constexpr double kMoverMemory_s = 2.0;
 constexpr double kSettled_m = 0.12, kSettled_rad = 0.08;
 
@@ -439,13 +440,13 @@ bool Executive::taken(const map::VoxelMap& map, const Vec3& p) const {
 void Executive::find_landing(Knowledge& k, const Intent& intent, Commands& commands) {
   plan_again_ = k.now() + Duration::from_s(kNoWay_s);
   ++landing_tries_;
-  for (const double radius : {1.2, 1.8, 2.4}) {
-    for (int i = 0; i < 12; ++i) {
-      const double a = i * std::numbers::pi / 6;
+  for (const double radius : {1.0, 1.2, 1.45, 1.8, 2.4}) {
+    for (int i = 0; i < 16; ++i) {
+      const double a = i * std::numbers::pi / 8;
       const Vec3 spot = intent.goal.p + radius * Vec3(std::cos(a), std::sin(a), 0);
       const auto& fleet = k.mission().fleet;
       const bool owned = std::any_of(fleet.begin(), fleet.end(), [&](const auto& r) {
-        return r.id != self_ && (r.start.p - spot).template head<2>().norm() < kTaken_m;
+        return r.id != self_ && (r.start.p - spot).template head<2>().norm() < kNeighbour_m;
       });
       if (owned || taken(k.map(), spot) || !k.map().traversable(spot)) continue;
       const auto found = k.paths().find(k.position(), spot, 0.1, obstacle_spheres_);
