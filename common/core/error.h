@@ -5,14 +5,15 @@
 
 namespace muster {
 
-/// What the user gave us is wrong: a file, key, flag or message. `what()` is one line that names the place and says what
-/// would be right. Programs print it and exit with status 2.
+/// What the user gave us is wrong: a file, key, flag or message. `what()` is one line that names
+/// the place and says what would be right. Programs print it and exit with status 2.
 class BadInput : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The surroundings failed us: a port in use, a directory not writable. Programs print it and exit with status 1.
+/// The surroundings failed us: a port in use, a directory not writable. Programs print it and exit
+/// with status 1.
 class Failure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

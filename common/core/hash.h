@@ -12,14 +12,14 @@ namespace muster {
 std::uint64_t hash_bytes(ByteView bytes, std::uint64_t seed = 0);
 std::uint64_t hash_text(std::string_view text, std::uint64_t seed = 0);
 
-/// Folds values into one number, in the order given. Used for the trace, so only feed it what is deterministic.
+/// Folds values into one number, in the order given. Used for the trace, so only feed it what is
+/// deterministic.
 class Hasher {
  public:
   explicit Hasher(std::uint64_t seed = 0) : value_(seed) {}
 
   template <class T>
-    requires std::is_arithmetic_v<T> || std::is_enum_v<T>
-  Hasher& add(T v) {
+  requires std::is_arithmetic_v<T> || std::is_enum_v<T> Hasher& add(T v) {
     return add_bytes({reinterpret_cast<const std::uint8_t*>(&v), sizeof v});
   }
   Hasher& add_bytes(ByteView bytes) {

@@ -16,10 +16,12 @@ struct Id {
   constexpr auto operator<=>(const Id&) const = default;
 };
 
-using RobotId = Id<struct RobotTag>;                     ///< a robot or a station, as in the mission file
-using RegionId = Id<struct RegionTag>;                   ///< index of a bounding box in the mission file, from 0
-using FeatureId = Id<struct FeatureTag>;                 ///< a true feature; known to world, and to robots by inspection
-using MeetingId = Id<struct MeetingTag, std::uint64_t>;  ///< counts the meetings of one pair, from 1
+using RobotId = Id<struct RobotTag>;    ///< a robot or a station, as in the mission file
+using RegionId = Id<struct RegionTag>;  ///< index of a bounding box in the mission file, from 0
+using FeatureId =
+    Id<struct FeatureTag>;  ///< a true feature; known to world, and to robots by inspection
+using MeetingId =
+    Id<struct MeetingTag, std::uint64_t>;  ///< counts the meetings of one pair, from 1
 
 /// The simulator's own processes take part in the barrier under these ids.
 inline constexpr RobotId kWorldId{0xFFFFFFFEu};
@@ -32,5 +34,7 @@ inline constexpr RegionId kNoRegion{0xFFFFFFFFu};
 
 template <class Tag, class Rep>
 struct std::hash<muster::Id<Tag, Rep>> {
-  std::size_t operator()(const muster::Id<Tag, Rep>& id) const noexcept { return std::hash<Rep>{}(id.value); }
+  std::size_t operator()(const muster::Id<Tag, Rep>& id) const noexcept {
+    return std::hash<Rep>{}(id.value);
+  }
 };

@@ -7,8 +7,9 @@
 
 namespace muster {
 
-/// A seeded stream of random numbers (xoshiro256**). Streams with different (seed, robot, purpose) are independent, so that
-/// a draw added in one place changes no other (DESIGN "Time and determinism"). Own distributions: the standard's differ by library.
+/// A seeded stream of random numbers (xoshiro256**). Streams with different (seed, robot, purpose)
+/// are independent, so that a draw added in one place changes no other (DESIGN "Time and
+/// determinism"). Own distributions: the standard's differ by library.
 class Random {
  public:
   Random(std::uint64_t mission_seed, RobotId robot, std::string_view purpose);

@@ -33,6 +33,8 @@ struct SimTime {
 /// The barrier's step (DESIGN "Time and determinism").
 inline constexpr Duration kTick{100'000};
 
-constexpr SimTime time_of_tick(std::uint64_t k) { return {static_cast<std::int64_t>(k) * kTick.us}; }
+constexpr SimTime time_of_tick(std::uint64_t k) {
+  return {static_cast<std::int64_t>(k) * kTick.us};
+}
 
 }  // namespace muster

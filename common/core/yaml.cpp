@@ -15,8 +15,8 @@ YamlMap YamlMap::load(const std::string& path) {
   }
 }
 
-YamlMap::YamlMap(YAML::Node node, std::string file, std::string path)
-    : node_(std::move(node)), file_(std::move(file)), path_(std::move(path)) {
+YamlMap::YamlMap(const YAML::Node& node, std::string file, std::string path)
+    : node_(node), file_(std::move(file)), path_(std::move(path)) {
   if (!node_.IsMap() && !node_.IsNull()) fail("", "a mapping 'key: value' is expected here");
 }
 

@@ -12,8 +12,9 @@
 
 namespace muster {
 
-/// Reads one YAML mapping key by key and complains in one line: `file:line: key: what is wrong`. A key nobody asked for is an
-/// error when `finish()` is called, so that a misspelt one never passes in silence.
+/// Reads one YAML mapping key by key and complains in one line: `file:line: key: what is wrong`. A
+/// key nobody asked for is an error when `finish()` is called, so that a misspelt one never passes
+/// in silence.
 ///
 ///     YamlMap map = YamlMap::load(path);
 ///     map.read("range_m", config.range_m);            // optional: keeps the default
@@ -24,7 +25,7 @@ class YamlMap {
  public:
   /// Throws BadInput when the file is missing, not YAML, or not a mapping.
   static YamlMap load(const std::string& path);
-  YamlMap(YAML::Node node, std::string file, std::string path);
+  YamlMap(const YAML::Node& node, std::string file, std::string path);
 
   bool has(const std::string& key) const { return bool(node_[key]); }
 
@@ -70,10 +71,14 @@ class YamlMap {
 
   template <class T>
   static std::string expected() {
-    if constexpr (std::is_same_v<T, bool>) return "true or false";
-    else if constexpr (std::is_arithmetic_v<T>) return "a number that fits here";
-    else if constexpr (std::is_same_v<T, std::string>) return "a text";
-    else return "of the right form";
+    if constexpr (std::is_same_v<T, bool>)
+      return "true or false";
+    else if constexpr (std::is_arithmetic_v<T>)
+      return "a number that fits here";
+    else if constexpr (std::is_same_v<T, std::string>)
+      return "a text";
+    else
+      return "of the right form";
   }
   static std::string text(const YAML::Node& n);
 

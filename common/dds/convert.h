@@ -4,22 +4,25 @@
 
 #include "common/mission/messages.h"
 
-/// Plain structs ↔ CDR (XCDR1 little endian, 4 bytes of encapsulation). The one place that knows both sides; Fast CDR and the
-/// generated types stay in convert.cpp. Equal values give equal bytes: buffers are zeroed before writing.
+/// Plain structs ↔ CDR (XCDR1 little endian, 4 bytes of encapsulation). The one place that knows
+/// both sides; Fast CDR and the generated types stay in convert.cpp. Equal values give equal bytes:
+/// buffers are zeroed before writing.
 namespace muster::dds {
 
 template <class T>
-concept WholeMessage = requires(T m) { m.envelope; };  // Beacon, ExchangeEnd, and all of bus and sim
+concept WholeMessage = requires(T m) {
+  m.envelope;
+};  // Beacon, ExchangeEnd, and all of bus and sim
 template <class T>
 concept RecordBody = std::is_same_v<T, mission::MapBlock> || std::is_same_v<T, mission::Area> ||
-                     std::is_same_v<T, mission::Inspection> || std::is_same_v<T, mission::Plan> ||
-                     std::is_same_v<T, mission::Meeting> || std::is_same_v<T, mission::Status>;
+    std::is_same_v<T, mission::Inspection> || std::is_same_v<T, mission::Plan> ||
+    std::is_same_v<T, mission::Meeting> || std::is_same_v<T, mission::Status>;
 
 /// The message as it travels. `envelope.cls` is set to the type's own class.
 template <WholeMessage T>
 mission::Message encode(const T& message);
-/// Throws BadInput when the bytes are not a T (too short, lengths beyond the end, class of another type, non-finite numbers where a
-/// position or time is due).
+/// Throws BadInput when the bytes are not a T (too short, lengths beyond the end, class of another
+/// type, non-finite numbers where a position or time is due).
 template <WholeMessage T>
 T decode(const mission::Message& message);
 

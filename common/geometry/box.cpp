@@ -4,7 +4,7 @@ namespace muster {
 namespace {
 
 Vec3 to_local(const Box& b, const Vec3& p) {
-  const Vec3 d = p - b.center;
+  Vec3 d = p - b.center;
   if (b.yaw_rad == 0) return d;
   const double c = std::cos(b.yaw_rad), s = std::sin(b.yaw_rad);
   return {c * d.x() + s * d.y(), -s * d.x() + c * d.y(), d.z()};

@@ -11,8 +11,9 @@
 #include "common/store/digest.h"
 #include "common/store/record.h"
 
-/// Every message of idl/ as a plain struct, field by field in the IDL's order and meaning; `common/dds/convert.h` turns them
-/// into CDR and back. Units and frames are the IDL's. Times are SimTime here and seconds (`…_s`) on the wire.
+/// Every message of idl/ as a plain struct, field by field in the IDL's order and meaning;
+/// `common/dds/convert.h` turns them into CDR and back. Units and frames are the IDL's. Times are
+/// SimTime here and seconds (`…_s`) on the wire.
 namespace muster::mission {
 
 /// What a message is, in the envelope's `cls`; also names its topic (see `topic_name`).
@@ -41,11 +42,16 @@ enum class MessageClass : std::uint32_t {
   kDone = 33,
   kTruth = 34,
 };
-inline constexpr MessageClass kAirClasses[] = {
-    MessageClass::kBeacon, MessageClass::kMapBlock, MessageClass::kArea,   MessageClass::kInspection,
-    MessageClass::kPlan,   MessageClass::kMeeting,  MessageClass::kStatus, MessageClass::kExchangeEnd};
-inline constexpr bool is_air(MessageClass c) { return c >= MessageClass::kBeacon && c <= MessageClass::kExchangeEnd; }
-inline constexpr bool is_record(MessageClass c) { return c >= MessageClass::kMapBlock && c <= MessageClass::kStatus; }
+inline constexpr MessageClass kAirClasses[] = {MessageClass::kBeacon, MessageClass::kMapBlock,
+                                               MessageClass::kArea,   MessageClass::kInspection,
+                                               MessageClass::kPlan,   MessageClass::kMeeting,
+                                               MessageClass::kStatus, MessageClass::kExchangeEnd};
+inline constexpr bool is_air(MessageClass c) {
+  return c >= MessageClass::kBeacon && c <= MessageClass::kExchangeEnd;
+}
+inline constexpr bool is_record(MessageClass c) {
+  return c >= MessageClass::kMapBlock && c <= MessageClass::kStatus;
+}
 /// The air topic that carries records of this class.
 MessageClass message_class(store::RecordClass cls);
 /// "beacon", "map_block", …: the DDS topic name, without "::".
@@ -74,10 +80,21 @@ struct TimedPose {
 enum class Role : std::uint32_t { kStation = 0, kExplorer = 1, kInspector = 2 };
 /// What a robot says it is doing; for people and for teammates' courtesy, never for results.
 enum class Activity : std::uint32_t {
-  kIdle = 0, kExploring = 1, kTravelling = 2, kWaiting = 3, kMeeting = 4, kInspecting = 5, kCharging = 6, kHolding = 7, kReturning = 8, kLanding = 9, kLanded = 10,
+  kIdle = 0,
+  kExploring = 1,
+  kTravelling = 2,
+  kWaiting = 3,
+  kMeeting = 4,
+  kInspecting = 5,
+  kCharging = 6,
+  kHolding = 7,
+  kReturning = 8,
+  kLanding = 9,
+  kLanded = 10,
 };
 
-// ---- air ------------------------------------------------------------------------------------------------------------
+// ---- air
+// ------------------------------------------------------------------------------------------------------------
 
 using store::DigestEntry;
 using store::SeqRange;
@@ -135,8 +152,20 @@ struct Inspection {
   Bytes payload;
 };
 
-enum class PlanKind : std::uint32_t { kRoute = 0, kAllocation = 1, kAssignment = 2 };  // own route; explorer → inspectors; station → explorers
-enum class PlanAction : std::uint32_t { kGo = 0, kExplore = 1, kInspect = 2, kMeet = 3, kWait = 4, kCharge = 5, kLand = 6 };
+enum class PlanKind : std::uint32_t {
+  kRoute = 0,
+  kAllocation = 1,
+  kAssignment = 2
+};  // own route; explorer → inspectors; station → explorers
+enum class PlanAction : std::uint32_t {
+  kGo = 0,
+  kExplore = 1,
+  kInspect = 2,
+  kMeet = 3,
+  kWait = 4,
+  kCharge = 5,
+  kLand = 6
+};
 struct PlanStep {
   TimedPose at;
   PlanAction action{};
@@ -178,7 +207,14 @@ struct RegionProgress {
   float eta_s = -1;
 };
 enum class StatusKind : std::uint32_t { kHealth = 0, kRequest = 1, kComplete = 2, kLost = 3 };
-enum class RequestVerb : std::uint32_t { kNone = 0, kHold = 1, kResume = 2, kReturn = 3, kLand = 4, kAbort = 5 };
+enum class RequestVerb : std::uint32_t {
+  kNone = 0,
+  kHold = 1,
+  kResume = 2,
+  kReturn = 3,
+  kLand = 4,
+  kAbort = 5
+};
 struct Status {
   StatusKind kind{};
   RobotId robot = kNoRobot;
@@ -197,9 +233,16 @@ struct ExchangeEnd {
   std::vector<EndEntry> entries;
 };
 
-// ---- bus ------------------------------------------------------------------------------------------------------------
+// ---- bus
+// ------------------------------------------------------------------------------------------------------------
 
-enum class VehicleState : std::uint32_t { kReady = 0, kMoving = 1, kLanding = 2, kLanded = 3, kDead = 4 };
+enum class VehicleState : std::uint32_t {
+  kReady = 0,
+  kMoving = 1,
+  kLanding = 2,
+  kLanded = 3,
+  kDead = 4
+};
 struct Odometry {
   Envelope envelope;
   SimTime time;
@@ -220,7 +263,8 @@ struct Scan {
   SensorKind kind{};
   std::uint32_t columns = 0, rows = 0;
   float hfov_rad = 0, vfov_rad = 0, range_m = 0;
-  std::vector<std::uint16_t> range_mm;  ///< rows × columns; ray (r, c) at azimuth hfov·(½ − (c+½)/columns), elevation vfov·((r+½)/rows − ½)
+  std::vector<std::uint16_t> range_mm;  ///< rows × columns; ray (r, c) at azimuth hfov·(½ −
+                                        ///< (c+½)/columns), elevation vfov·((r+½)/rows − ½)
 };
 
 struct Sighting {
@@ -244,8 +288,10 @@ struct Battery {
 };
 
 enum class InspectOutcome : std::uint32_t {
-  kFound = 0, kEmpty = 1,
-  kRefusedView = 2,  ///< the area was out of view, range, line of sight or incidence, or the camera moved too fast, at every instant asked for
+  kFound = 0,
+  kEmpty = 1,
+  kRefusedView = 2,  ///< the area was out of view, range, line of sight or incidence, or the camera
+                     ///< moved too fast, at every instant asked for
   kCancelled = 3,
 };
 struct Inspected {
@@ -285,7 +331,8 @@ struct Charge {
   std::int32_t station = -1;
 };
 
-// ---- sim ------------------------------------------------------------------------------------------------------------
+// ---- sim
+// ------------------------------------------------------------------------------------------------------------
 
 enum class TickPhase : std::uint32_t { kRun = 0, kEnd = 1, kFailed = 2 };
 struct Expect {
@@ -303,7 +350,13 @@ struct Tick {
 };
 enum class PlanningStep : std::uint32_t {
   kExplore = 0,  // FF3E and its like
-  kPath = 1, kMap = 2, kFrontier = 3, kAllocate = 4 /* SOEI and its like */, kTour = 5 /* station's meetings */, kPredict = 6, kAssign = 7,
+  kPath = 1,
+  kMap = 2,
+  kFrontier = 3,
+  kAllocate = 4 /* SOEI and its like */,
+  kTour = 5 /* station's meetings */,
+  kPredict = 6,
+  kAssign = 7,
 };
 struct PlanningTime {
   PlanningStep step{};

@@ -14,18 +14,21 @@ struct StepInput {
   std::vector<Message> air;
 };
 
-/// What it answers with. Envelopes are numbered by the process itself (`n` counts everything it sent, air and bus alike).
+/// What it answers with. Envelopes are numbered by the process itself (`n` counts everything it
+/// sent, air and bus alike).
 struct StepOutput {
   std::vector<Message> bus;
   std::vector<Message> air;
-  std::uint64_t trace = 0;  ///< hash over what it holds (the store's records): a difference shows up in the tick it arose
+  std::uint64_t trace = 0;  ///< hash over what it holds (the store's records): a difference shows
+                            ///< up in the tick it arose
   bool declares_complete = false;
-  Activity activity{};      ///< shown to people and in tracks.csv, never decided upon
-  std::vector<PlanningTime> planning;  ///< wall-clock cost of planning steps; reported, never decided upon
+  Activity activity{};  ///< shown to people and in tracks.csv, never decided upon
+  std::vector<PlanningTime>
+      planning;  ///< wall-clock cost of planning steps; reported, never decided upon
 };
 
-/// A robot or station as a pure function of what reaches it: no DDS, threads, clock or globals. The shells (DDS lock-step, DDS
-/// field, in-memory) call `step` once per tick and move bytes.
+/// A robot or station as a pure function of what reaches it: no DDS, threads, clock or globals. The
+/// shells (DDS lock-step, DDS field, in-memory) call `step` once per tick and move bytes.
 class Process {
  public:
   virtual ~Process() = default;

@@ -10,7 +10,7 @@ namespace muster::robot {
 namespace {
 
 constexpr double kBeaconPeriod_s = 0.3;
-constexpr std::size_t kAirBudget_bytes = 256 * 1024;  // per tick: about 20 Mbit/s
+constexpr std::size_t kAirBudget_bytes = std::size_t{256} * 1024;  // per tick: about 20 Mbit/s
 constexpr double kAnnounceStep_s = 0.5, kAnnounceSpan_s = 6.0;
 constexpr double kFreshMate_s =
     0.5;  // DESIGN "Map and motion": returns fit a teammate heard within this
