@@ -8,6 +8,9 @@ namespace {
 
 constexpr double kSameArea_m = 0.5;     // RULES "Sighting and inspecting"
 constexpr double kSameFeature_m = 0.4;  // four sigma of a sighting
+// An empty answer says that no feature lies within 0.5 m; one a little farther off may be sighted
+// in between.
+constexpr double kNothingHere_m = 0.3;
 constexpr double kBoxMargin_m = 0.4;
 constexpr double kMoved_m = 0.08;
 constexpr double kSameSideCos = -0.26;  // 105°: one feature is seen from within 90° of its normal
@@ -48,7 +51,7 @@ bool AreaFitter::explained(const robot::Knowledge& k, const Seen& seen) const {
   return std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
     const mission::Inspection& i = r.second.inspection;
     if ((i.area_position - p).norm() > 2 * kSameArea_m) return false;
-    if (!i.found) return (i.area_position - p).norm() < kSameArea_m;
+    if (!i.found) return (i.area_position - p).norm() < kNothingHere_m;
     const bool same_side =
         (i.pose.p - i.area_position).normalized().dot(seen.towards) > kSameSideCos;
     return same_side &&
