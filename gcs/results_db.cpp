@@ -75,18 +75,6 @@ class Database {
   std::unique_ptr<sqlite3, Close> db_;
 };
 
-const char* text(mission::Role role) {
-  switch (role) {
-    case mission::Role::kStation:
-      return "station";
-    case mission::Role::kExplorer:
-      return "explorer";
-    case mission::Role::kInspector:
-      return "inspector";
-  }
-  return "";
-}
-
 const char* text(mission::RegionState state) {
   switch (state) {
     case mission::RegionState::kPending:
@@ -120,7 +108,8 @@ void fill(Database& db, const robot::Knowledge& k) {
     std::optional<SimTime> lost_at;
     if (lost != k.declared_lost().end()) lost_at = lost->second;
     const auto heard = r.id == k.self() ? std::optional(k.now()) : k.last_heard(r.id);
-    db.insert("INSERT INTO robots VALUES(?,?,?,?)", r.id.value, text(r.role), heard, lost_at);
+    db.insert("INSERT INTO robots VALUES(?,?,?,?)", r.id.value, mission::role_name(r.role), heard,
+              lost_at);
     const auto* health = k.health(r.id);
     if (!health) continue;
     for (const mission::RegionProgress& p : health->body.regions) {

@@ -49,8 +49,7 @@ Exploration::Exploration(robot::Knowledge& k, RegionId region)
       look_period_s_(1 / k.mission().sensing.sighting_rate_hz),
       last_look_(k.now()) {}
 
-void Exploration::on_scan(robot::Knowledge& k, const mission::Scan& scan) {
-  (void)k;
+void Exploration::on_scan(const mission::Scan& scan) {
   targets_.scanned(scan.sensor);
   ++scans_;
 }
@@ -61,8 +60,7 @@ void Exploration::on_look(const robot::Knowledge& k, const mission::Sightings& s
   ++looks_;
 }
 
-ViewPrice Exploration::price(const robot::Knowledge& k) const {
-  (void)k;
+ViewPrice Exploration::price() const {
   ViewPrice p;
   p.look_period_s = look_period_s_;
   p.next_look = last_look_ + Duration::from_s(look_period_s_);
@@ -115,11 +113,7 @@ bool Exploration::used_up() const {
 bool Exploration::worth_keeping(const robot::Knowledge& k, const robot::Progress& progress) {
   if (!goal_) return false;
   const Pose& pose = goal_->view.pose;
-  if (progress.blocked_s > kBlocked_s) {
-    barred_.push_back({pose, std::numbers::pi + 1, k.now() + Duration::from_s(kBarred_s)});
-    return false;
-  }
-  if (k.now() > give_up_) {
+  if (progress.blocked_s > kBlocked_s || k.now() > give_up_) {
     barred_.push_back({pose, std::numbers::pi + 1, k.now() + Duration::from_s(kBarred_s)});
     return false;
   }
@@ -159,7 +153,7 @@ bool Exploration::worth_keeping(const robot::Knowledge& k, const robot::Progress
 }
 
 std::vector<Exploration::Goal> Exploration::candidates(robot::Knowledge& k) {
-  const ViewPrice p = price(k);
+  const ViewPrice p = price();
   const SimTime now = k.now();
   const Vec3 here = k.position();
   std::vector<Goal> result;

@@ -27,7 +27,7 @@ class Exploration {
   }
   const map::Targets& targets() const { return targets_; }
 
-  void on_scan(robot::Knowledge& knowledge, const mission::Scan& scan);
+  void on_scan(const mission::Scan& scan);
   void on_look(const robot::Knowledge& knowledge, const mission::Sightings& sightings);
 
   /// Where to fly next: the first of FF3E's order, kept until it is reached and seen, or has
@@ -44,7 +44,7 @@ class Exploration {
     bool cluster = false;  ///< a viewpoint of Targets, not only a place with a view
     bool surface = false;
   };
-  ViewPrice price(const robot::Knowledge& k) const;
+  ViewPrice price() const;
   bool worth_keeping(const robot::Knowledge& k, const robot::Progress& progress);
   bool used_up() const;
   void refresh(robot::Knowledge& k, bool thorough, std::vector<mission::PlanningTime>& planning);

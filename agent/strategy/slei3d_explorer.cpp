@@ -33,8 +33,8 @@ void Slei3dExplorer::on_sightings(robot::Knowledge& k, const mission::Sightings&
   fitter_.take(k, sightings, exploration_->region());
 }
 
-void Slei3dExplorer::on_scan(robot::Knowledge& k, const mission::Scan& scan) {
-  if (exploration_) exploration_->on_scan(k, scan);
+void Slei3dExplorer::on_scan(robot::Knowledge&, const mission::Scan& scan) {
+  if (exploration_) exploration_->on_scan(scan);
 }
 
 Slei3dExplorer::Orders Slei3dExplorer::orders(const robot::Knowledge& k) const {

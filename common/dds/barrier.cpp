@@ -1,7 +1,5 @@
 #include "common/dds/barrier.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <stdexcept>
@@ -54,15 +52,6 @@ mission::Done ready() {
   mission::Done done;
   done.k = kReady;
   return done;
-}
-
-float cpu_of_process_ms() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto ms = [](const timeval& t) {
-    return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec);
-  };
-  return static_cast<float>(ms(usage.ru_utime) + ms(usage.ru_stime));
 }
 
 void WriterSet::add(Participant& participant, mission::MessageClass cls,

@@ -79,9 +79,6 @@ class WorldEnded : public Failure {
   bool failed_;
 };
 
-/// CPU time of this process since it started.
-float cpu_of_process_ms();
-
 /// One writer per topic for one partition.
 class WriterSet {
  public:

@@ -37,4 +37,9 @@ class Inbox {
   bool woken_ = false;
 };
 
+/// So long from now: a deadline for `take`.
+inline Inbox::Clock::time_point in(std::chrono::duration<double> d) {
+  return Inbox::Clock::now() + std::chrono::duration_cast<Inbox::Clock::duration>(d);
+}
+
 }  // namespace muster::dds

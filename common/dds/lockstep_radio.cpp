@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/core/cpu_time.h"
 #include "common/core/log.h"
 #include "common/dds/convert.h"
 #include "common/dds/lockstep.h"
@@ -17,10 +18,6 @@ using Clock = Inbox::Clock;
 namespace {
 
 constexpr auto kSayAgain = std::chrono::milliseconds(100);
-
-Clock::time_point in(std::chrono::duration<double> d) {
-  return Clock::now() + std::chrono::duration_cast<Clock::duration>(d);
-}
 
 }  // namespace
 
@@ -127,7 +124,7 @@ void RadioLockstep::take(Clock::time_point deadline) {
 void RadioLockstep::say_done(mission::Done done) {
   done.process = kRadioId;
   done.envelope = {.n = done.k, .src = kRadioId, .cls = MessageClass::kDone, .sent = tick_.time};
-  done.cpu_ms = cpu_of_process_ms();
+  done.cpu_ms = static_cast<float>(1e3 * cpu_of_process_s());
   done_bus_.write(encode(done));
 }
 

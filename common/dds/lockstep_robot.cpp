@@ -4,6 +4,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/core/cpu_time.h"
 #include "common/core/log.h"
 #include "common/dds/convert.h"
 #include "common/dds/lockstep.h"
@@ -23,10 +24,6 @@ constexpr auto kLookForStop = std::chrono::milliseconds(200);
 /// Until the first tick, readiness is said again this often: the first time may fall before the
 /// world knows us.
 constexpr auto kSayAgain = std::chrono::milliseconds(100);
-
-Clock::time_point in(std::chrono::duration<double> d) {
-  return Clock::now() + std::chrono::duration_cast<Clock::duration>(d);
-}
 
 }  // namespace
 
@@ -148,7 +145,7 @@ void RobotLockstep::send(mission::StepOutput&& output) {
   done.trace = output.trace;
   done.declares_complete = output.declares_complete;
   done.activity = output.activity;
-  done.cpu_ms = cpu_of_process_ms();
+  done.cpu_ms = static_cast<float>(1e3 * cpu_of_process_s());
   done.planning = std::move(output.planning);
   say_done(std::move(done));
 }

@@ -19,10 +19,6 @@ namespace {
 
 constexpr auto kKeepSaying = std::chrono::seconds(1);
 
-Clock::time_point in(std::chrono::duration<double> d) {
-  return Clock::now() + std::chrono::duration_cast<Clock::duration>(d);
-}
-
 template <class Ids>
 std::string list(const Ids& ids) {
   std::string all;

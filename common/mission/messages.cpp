@@ -47,6 +47,19 @@ const Name& name_of(MessageClass c) {
 const char* topic_name(MessageClass c) { return name_of(c).topic; }
 const char* type_name(MessageClass c) { return name_of(c).type; }
 
+const char* role_name(Role role) {
+  switch (role) {
+    case Role::kStation:
+      return "station";
+    case Role::kExplorer:
+      return "explorer";
+    case Role::kInspector:
+      return "inspector";
+  }
+  throw BadInput("role " + std::to_string(static_cast<std::uint32_t>(role)) +
+                 " is not one of ours");
+}
+
 MessageClass message_class(store::RecordClass cls) {
   switch (cls) {
     case store::RecordClass::kInspection:

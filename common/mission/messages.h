@@ -78,6 +78,8 @@ struct TimedPose {
 };
 
 enum class Role : std::uint32_t { kStation = 0, kExplorer = 1, kInspector = 2 };
+/// "station", "explorer", "inspector": as in the mission file.
+const char* role_name(Role role);
 /// What a robot says it is doing; for people and for teammates' courtesy, never for results.
 enum class Activity : std::uint32_t {
   kIdle = 0,

@@ -46,18 +46,6 @@ std::string box(const Box& b) {
   return out.str();
 }
 
-const char* role_name(Role role) {
-  switch (role) {
-    case Role::kStation:
-      return "station";
-    case Role::kExplorer:
-      return "explorer";
-    case Role::kInspector:
-      return "inspector";
-  }
-  return "";
-}
-
 void write_vehicle(std::ostream& out, const Vehicle& v) {
   out << "  " << quoted(v.name) << ":\n"
       << "    {ground: " << yes(v.ground) << ", radius_m: " << num(v.radius_m)

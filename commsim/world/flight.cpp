@@ -20,7 +20,6 @@ using mission::RequestVerb;
 constexpr std::array kActivities = {"idle",      "exploring",  "travelling", "waiting",
                                     "meeting",   "inspecting", "charging",   "holding",
                                     "returning", "landing",    "landed"};
-constexpr std::array kRoles = {"station", "explorer", "inspector"};
 constexpr std::array kSteps = {"explore",  "path", "map",     "frontier",
                                "allocate", "tour", "predict", "assign"};
 constexpr std::array kVerbs = {"none", "hold", "resume", "return", "land", "abort"};
@@ -225,8 +224,7 @@ nlohmann::json Flight::finish(const std::string& reason) {
   summary["robots_lost"] = lost_;
   summary["fleet"] = nlohmann::json::array();
   for (const mission::RobotConfig& robot : mission_.fleet) {
-    summary["fleet"].push_back(
-        {{"id", robot.id.value}, {"role", kRoles[static_cast<std::size_t>(robot.role)]}});
+    summary["fleet"].push_back({{"id", robot.id.value}, {"role", mission::role_name(robot.role)}});
   }
   summary["planning_ms"] = planning_summary();
   return summary;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include <set>
 #include <vector>
 
+#include "common/core/cpu_time.h"
 #include "common/core/error.h"
 #include "common/core/program.h"
 #include "commsim/world/flight.h"
@@ -40,15 +40,6 @@ constexpr auto kPatience = std::chrono::seconds(10);
 /// After a failure robots get this long to write what they have.
 constexpr auto kLastWords = std::chrono::milliseconds(3500);
 constexpr auto kMeasureEvery = std::chrono::seconds(1);
-
-double cpu_of_this_process_s() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto s = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return s(usage.ru_utime) + s(usage.ru_stime);
-}
 
 /// One run with all its processes.
 class Launcher {
@@ -333,7 +324,7 @@ class Launcher {
   }
 
   double cpu_s() const {
-    double all = cpu_of_this_process_s();
+    double all = cpu_of_process_s();
     for (const auto& child : children_) all += child->cpu_s();
     return all;
   }

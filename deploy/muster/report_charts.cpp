@@ -83,7 +83,7 @@ std::string drawing(const RunData& run, const ViewFrame& frame, const std::strin
                         final_state(f), f.x, -(elevation ? f.z : f.y), 0.42 * unit);
   }
   for (const auto& robot : run.robots) {
-    text += fmt::format("<path class=\"track {}\" d=\"{}\"/>", role_name(robot.role),
+    text += fmt::format("<path class=\"track {}\" d=\"{}\"/>", mission::role_name(robot.role),
                         track_path(robot, v));
   }
   for (const auto& robot : run.robots) {
@@ -92,7 +92,7 @@ std::string drawing(const RunData& run, const ViewFrame& frame, const std::strin
     text += fmt::format(
         "<g class=\"robot {}{}\" transform=\"translate({:.2f} {:.2f})\"><circle "
         "r=\"{:.3f}\"/><text font-size=\"{:.3f}\">{}</text></g>",
-        role_name(robot.role), robot.lost_s ? " lost" : "", last.x, -v(last), 1.15 * unit,
+        mission::role_name(robot.role), robot.lost_s ? " lost" : "", last.x, -v(last), 1.15 * unit,
         1.5 * unit, robot.id);
   }
   return text + "</svg></div>";
@@ -181,7 +181,7 @@ std::vector<Segment> segments(const RunData::Robot& robot, double end_s) {
 
 std::string robot_row(const RunData& run, const RunData::Robot& robot) {
   std::string text = fmt::format("<div class=\"row\"><span class=\"who {}\">{}</span>",
-                                 role_name(robot.role), robot_name(robot));
+                                 mission::role_name(robot.role), robot_name(robot));
   text +=
       fmt::format("<div class=\"lane\"><svg viewBox=\"0 0 {} 20\" preserveAspectRatio=\"none\">",
                   number(run.end_s, 1));
@@ -198,8 +198,9 @@ std::string robot_row(const RunData& run, const RunData::Robot& robot) {
     text += fmt::format(
         "<rect class=\"c-{}\" x=\"{}\" y=\"16\" width=\"{}\" height=\"4\"><title>hears {} "
         "{}–{}</title></rect>",
-        role_name(other->role), number(c.from_s, 1), number(std::max(c.until_s - c.from_s, 0.1), 1),
-        robot_name(*other), html::clock(c.from_s), html::clock(c.until_s));
+        mission::role_name(other->role), number(c.from_s, 1),
+        number(std::max(c.until_s - c.from_s, 0.1), 1), robot_name(*other), html::clock(c.from_s),
+        html::clock(c.until_s));
   }
   return text + "</svg></div></div>";
 }

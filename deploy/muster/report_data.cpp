@@ -235,20 +235,8 @@ RunData read_run(const std::string& dir) {
   return run;
 }
 
-const char* role_name(mission::Role role) {
-  switch (role) {
-    case mission::Role::kStation:
-      return "station";
-    case mission::Role::kExplorer:
-      return "explorer";
-    case mission::Role::kInspector:
-      return "inspector";
-  }
-  return "robot";
-}
-
 std::string robot_name(const RunData::Robot& robot) {
-  return std::string(role_name(robot.role)) + " " + std::to_string(robot.id);
+  return std::string(mission::role_name(robot.role)) + " " + std::to_string(robot.id);
 }
 
 }  // namespace muster::command

@@ -59,6 +59,5 @@ RunData read_run(const std::string& dir);
 
 /// "station 1", "explorer 2": what people call it.
 std::string robot_name(const RunData::Robot& robot);
-const char* role_name(mission::Role role);
 
 }  // namespace muster::command

@@ -1,7 +1,6 @@
 #include "deploy/muster/run_memory.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <chrono>
 #include <mutex>
@@ -9,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/core/cpu_time.h"
 #include "common/core/log.h"
 #include "commsim/world/pacer.h"
 #include "deploy/muster/control_socket.h"
@@ -20,15 +20,6 @@
 
 namespace muster::command {
 namespace {
-
-double cpu_of_this_process_s() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto s = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return s(usage.ru_utime) + s(usage.ru_stime);
-}
 
 /// Requests from the socket's thread, taken between ticks.
 class RequestQueue {
@@ -68,7 +59,7 @@ int run_in_memory(const mission::Mission& mission, const RunOptions& options) {
   const world::Pacer pacer(options.speed_factor());
 
   const auto start = std::chrono::steady_clock::now();
-  const double cpu_start_s = cpu_of_this_process_s();
+  const double cpu_start_s = cpu_of_process_s();
   std::optional<std::string> end;
   while (!end) {
     log::set_speaker(time_of_tick(fleet.ticks()), kNoRobot);
@@ -78,7 +69,7 @@ int run_in_memory(const mission::Mission& mission, const RunOptions& options) {
     if (interrupt.wished() && !end) end = "interrupted";
     pacer.wait_until(time_of_tick(fleet.ticks()));
   }
-  const double cpu_s = cpu_of_this_process_s() - cpu_start_s;
+  const double cpu_s = cpu_of_process_s() - cpu_start_s;
   const double load_s = std::chrono::duration<double>(start - begin).count();
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
