@@ -148,6 +148,7 @@ class CycloneReader final : public Reader {
 
   void hand_over(const ddsi_serdata* sample) {
     const ByteView bytes = bytes_of(sample);
+    if (bytes.size() <= kGreetingSize) return;  // a Fast writer says hello
     on_message_({cls_, Bytes(bytes.begin(), bytes.end())});
   }
 

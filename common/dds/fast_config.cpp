@@ -129,8 +129,7 @@ fast::DataWriterQos fast_writer_qos(bool reliable, int depth) {
   // loopback is rare, so ask now and then.
   qos.reliable_writer_qos().disable_heartbeat_piggyback = true;
   qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t{0, 50'000'000};
-  // A volatile Cyclone reader takes what is there at the first heartbeat for history, so that one
-  // goes out at once, still empty.
+  // The first heartbeat, still empty, goes out at once (fast_greeter.h: why that is not enough).
   qos.reliable_writer_qos().times.initialHeartbeatDelay = Duration_t{0, 0};
   qos.reliable_writer_qos().times.nackResponseDelay = Duration_t{0, 0};
   qos.reliable_writer_qos().times.nackSupressionDuration = Duration_t{0, 0};

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -16,6 +17,7 @@
 
 #include "common/core/error.h"
 #include "common/dds/fast_config.h"
+#include "common/dds/fast_greeter.h"
 #include "common/dds/fast_raw_type.h"
 #include "common/dds/vendors.h"
 
@@ -38,30 +40,21 @@ rtps::GuidPrefix_t prefix_of(const fast::InstanceHandle_t& handle) {
   return guid.guidPrefix;
 }
 
-/// Counts matches with others. As radio: nobody hears itself.
-class Matches {
- public:
-  Matches(const rtps::GuidPrefix_t& own, OnMatch on_match)
-      : own_(own), on_match_(std::move(on_match)) {}
-  void change(const fast::InstanceHandle_t& other, std::int32_t by) {
-    if (is_own(prefix_of(other))) return;
-    count_ += by;
-    if (on_match_) on_match_();
-  }
-  bool is_own(const rtps::GuidPrefix_t& prefix) const { return prefix == own_; }
-  int count() const { return count_; }
+/// RTPS vendor id 1.16, as in the first bytes of every GUID that Cyclone makes.
+bool is_cyclone(const rtps::GuidPrefix_t& prefix) {
+  return prefix.value[0] == 0x01 && prefix.value[1] == 0x10;
+}
 
- private:
-  rtps::GuidPrefix_t own_;
-  OnMatch on_match_;
-  std::atomic<int> count_{0};
-};
-
-class FastWriter final : public Writer, private fast::DataWriterListener {
+class FastWriter final : public Writer,
+                         private fast::DataWriterListener,
+                         private FastGreeter::Client {
  public:
-  FastWriter(fast::DomainParticipant* participant, fast::Topic* topic, const std::string& partition,
-             bool reliable, int depth, OnMatch on_match)
-      : participant_(participant), matches_(participant->guid().guidPrefix, std::move(on_match)) {
+  FastWriter(fast::DomainParticipant* participant, FastGreeter& greeter, fast::Topic* topic,
+             const std::string& partition, bool reliable, int depth, OnMatch on_match)
+      : participant_(participant),
+        greeter_(greeter),
+        reliable_(reliable),
+        on_match_(std::move(on_match)) {
     fast::PublisherQos qos = fast::PUBLISHER_QOS_DEFAULT;
     qos.partition().push_back(partition.c_str());
     publisher_ = checked(participant_->create_publisher(qos), "publisher");
@@ -69,33 +62,65 @@ class FastWriter final : public Writer, private fast::DataWriterListener {
                       "writer");
   }
   ~FastWriter() override {
-    writer_->set_listener(nullptr);
+    writer()->set_listener(nullptr);
+    greeter_.remove(*this);
     // The farewell travels on another port than the data and would overtake the last sample. (Best
     // effort: returns at once.)
-    writer_->wait_for_acknowledgments({0, 300'000'000});
+    writer()->wait_for_acknowledgments({0, 300'000'000});
     publisher_->delete_datawriter(writer_);
     participant_->delete_publisher(publisher_);
   }
 
   void write(ByteView cdr) override {
     Bytes bytes(cdr.begin(), cdr.end());
-    if (!writer_->write(&bytes)) {
+    if (!writer()->write(&bytes)) {
       throw Failure("Fast DDS refuses to write " + std::to_string(cdr.size()) + " bytes to topic " +
-                    writer_->get_topic()->get_name());
+                    writer()->get_topic()->get_name());
     }
   }
-  int matched() const override { return matches_.count(); }
+  int matched() const override { return std::min(matched_.load(), settled_.load()); }
 
  private:
-  void on_publication_matched(fast::DataWriter*,
+  void on_publication_matched(fast::DataWriter* writer,
                               const fast::PublicationMatchedStatus& status) override {
-    matches_.change(status.last_subscription_handle, status.current_count_change);
+    writer_ = writer;  // may come while it is being created
+    const rtps::GuidPrefix_t other = prefix_of(status.last_subscription_handle);
+    if (other == participant_->guid().guidPrefix) return;  // as radio: nobody hears itself
+    const bool ask = reliable_ && status.current_count_change > 0 && is_cyclone(other);
+    if (ask) ++asked_;
+    matched_ += status.current_count_change;
+    if (ask) greeter_.add(*this);
+    settle();
+  }
+  fast::DataWriter* writer() const { return writer_; }
+  void settle() {
+    if (answered_ != asked_) return;
+    settled_ = matched_.load();
+    if (on_match_) on_match_();
+  }
+
+  void greet() override {
+    greeted_ = asked_.load();
+    Bytes greeting = {0, 1, 0, 0};  // the CDR header
+    writer()->write(&greeting);
+  }
+  bool heard() override {
+    return writer()->wait_for_acknowledgments({0, 0}) == ReturnCode_t::RETCODE_OK;
+  }
+  void settled() override {
+    answered_ = greeted_.load();
+    settle();
   }
 
   fast::DomainParticipant* participant_;
-  Matches matches_;
+  FastGreeter& greeter_;
+  bool reliable_;
+  OnMatch on_match_;
+  std::atomic<int> matched_{0};  ///< readers that Fast knows
+  std::atomic<int> settled_{0};  ///< … when the last time none was being greeted
+  std::atomic<int> asked_{0}, greeted_{0}, answered_{0};
   fast::Publisher* publisher_ = nullptr;
-  fast::DataWriter* writer_ = nullptr;
+  std::atomic<fast::DataWriter*> writer_{nullptr};
 };
 
 class FastReader final : public Reader, private fast::DataReaderListener {
@@ -105,7 +130,7 @@ class FastReader final : public Reader, private fast::DataReaderListener {
       : participant_(participant),
         cls_(cls),
         on_message_(std::move(on_message)),
-        matches_(participant->guid().guidPrefix, std::move(on_match)) {
+        on_match_(std::move(on_match)) {
     fast::SubscriberQos qos = fast::SUBSCRIBER_QOS_DEFAULT;
     qos.partition().push_back(partition.c_str());
     subscriber_ = checked(participant_->create_subscriber(qos), "subscriber");
@@ -120,12 +145,18 @@ class FastReader final : public Reader, private fast::DataReaderListener {
     participant_->delete_subscriber(subscriber_);
   }
 
-  int matched() const override { return matches_.count(); }
+  int matched() const override { return matched_; }
 
  private:
+  /// As radio: nobody hears itself.
+  bool is_own(const rtps::GuidPrefix_t& prefix) const {
+    return prefix == participant_->guid().guidPrefix;
+  }
   void on_subscription_matched(fast::DataReader*,
                                const fast::SubscriptionMatchedStatus& status) override {
-    matches_.change(status.last_publication_handle, status.current_count_change);
+    if (is_own(prefix_of(status.last_publication_handle))) return;
+    matched_ += status.current_count_change;
+    if (on_match_) on_match_();
   }
 
   // One thread at a time, or order would be lost between taking and handing over.
@@ -135,8 +166,8 @@ class FastReader final : public Reader, private fast::DataReaderListener {
       mission::Message message{cls_, {}};
       fast::SampleInfo info;
       if (reader->take_next_sample(&message.cdr, &info) != ReturnCode_t::RETCODE_OK) return;
-      if (!info.valid_data) continue;
-      if (matches_.is_own(info.sample_identity.writer_guid().guidPrefix)) continue;
+      if (!info.valid_data || message.cdr.size() <= kGreetingSize) continue;
+      if (is_own(info.sample_identity.writer_guid().guidPrefix)) continue;
       on_message_(std::move(message));
     }
   }
@@ -144,7 +175,8 @@ class FastReader final : public Reader, private fast::DataReaderListener {
   fast::DomainParticipant* participant_;
   mission::MessageClass cls_;
   OnMessage on_message_;
-  Matches matches_;
+  OnMatch on_match_;
+  std::atomic<int> matched_{0};
   std::mutex taking_;
   fast::Subscriber* subscriber_ = nullptr;
   fast::DataReader* reader_ = nullptr;
@@ -171,7 +203,7 @@ class FastParticipant final : public Participant {
   std::unique_ptr<Writer> writer(mission::MessageClass cls, const std::string& partition,
                                  Delivery delivery, OnMatch on_match) override {
     const int depth = delivery == Delivery::kLatest ? 1 : kDeepHistory;
-    return std::make_unique<FastWriter>(participant_, topic(cls), partition,
+    return std::make_unique<FastWriter>(participant_, greeter_, topic(cls), partition,
                                         is_reliable(profile_, cls, delivery), depth,
                                         std::move(on_match));
   }
@@ -201,6 +233,7 @@ class FastParticipant final : public Participant {
   Profile profile_;
   std::optional<PortClaim> ports_;
   fast::DomainParticipant* participant_ = nullptr;
+  FastGreeter greeter_;
   std::mutex topics_mutex_;
   std::map<mission::MessageClass, fast::Topic*> topics_;
 };

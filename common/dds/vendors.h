@@ -37,6 +37,10 @@ inline bool is_reliable(Profile profile, mission::MessageClass topic, Delivery d
   return profile == Profile::kSimLocalhost || !mission::is_air(topic);
 }
 
+/// No message of ours is as short as a CDR header alone; a Fast writer greets with it
+/// (fast_greeter.h).
+inline constexpr std::size_t kGreetingSize = 4;
+
 /// Longest RTPS message in bytes. Over a radio no IP fragments: one lost fragment would lose all.
 inline std::uint32_t longest_message(Profile profile) {
   return profile == Profile::kSimLocalhost ? 65000 : 1400;

@@ -83,7 +83,7 @@ class Ear {
     const bool done = changed_.wait_for(lock, std::chrono::seconds(60),
                                         [&] { return closed_ || !wrong_.empty() || condition(); });
     if (!wrong_.empty()) throw Failure(wrong_);
-    if (!done) throw Failure("waited in vain for " + what);
+    if (!done) throw Failure("waited in vain for " + what + "; " + heard());
   }
   /// Calls `again` every 50 ms until `condition` holds.
   template <class Again, class Condition>
@@ -93,9 +93,16 @@ class Ear {
       std::unique_lock lock(mutex_);
       if (changed_.wait_for(lock, std::chrono::milliseconds(50), condition)) return;
     }
-    throw Failure("waited in vain for " + what);
+    const std::lock_guard lock(mutex_);
+    throw Failure("waited in vain for " + what + "; " + heard());
   }
 
+  /// Until `close`, however long that takes. Throws Failure when something wrong is heard.
+  void wait_for_close() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return closed_ || !wrong_.empty(); });
+    if (!wrong_.empty()) throw Failure(wrong_);
+  }
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
@@ -103,7 +110,6 @@ class Ear {
   }
 
   // For conditions: the lock is held.
-  bool closed() const { return closed_; }
   bool begun(std::uint32_t src) const {
     const auto found = last_.lower_bound({src, MessageClass{}});
     return found != last_.end() && found->first.first == src && found->second > 0;
@@ -129,6 +135,20 @@ class Ear {
       const auto found = last_.find({src, cls});
       return found != last_.end() && found->second >= at_least;
     });
+  }
+  /// How far each topic came that is not at its end.
+  std::string heard() const {
+    std::ostringstream all;
+    all << "heard:";
+    for (const std::uint32_t src : expected_) {
+      for (const MessageClass cls : kTopics) {
+        const auto found = last_.find({src, cls});
+        if (found != last_.end() && found->second == kPerTopic) continue;
+        all << ' ' << src << '/' << mission::topic_name(cls) << '=';
+        found == last_.end() ? all << "nothing" : all << found->second;
+      }
+    }
+    return all.str();
   }
   void complain(const std::string& what) {
     if (wrong_.empty()) wrong_ = what;
@@ -162,6 +182,20 @@ struct Link {
     return std::all_of(writers.begin(), writers.end(), some) &&
            std::all_of(readers.begin(), readers.end(), some);
   }
+  /// Topics without a partner, for messages.
+  std::string unmatched() const {
+    std::ostringstream all;
+    const auto add = [&](const auto& endpoints, const char* kind) {
+      for (std::size_t i = 0; i < endpoints.size(); ++i) {
+        if (endpoints[i]->matched() == 0) {
+          all << "; unmatched " << kind << ' ' << mission::topic_name(kTopics[i]);
+        }
+      }
+    };
+    add(writers, "writer");
+    add(readers, "reader");
+    return all.str();
+  }
   void send_all(std::uint32_t src) {
     for (std::uint64_t n = 1; n <= kPerTopic; ++n) {
       for (int i = 0; i < kTopicCount; ++i) {
@@ -180,18 +214,28 @@ struct Link {
 
 void say(const std::string& line) { std::cout << line << std::endl; }
 
+/// Ends the process at once: whoever waits for our next line must not wait for ever.
+[[noreturn]] void fail(const std::string& what) {
+  say("failed: " + what);
+  std::_Exit(1);
+}
+
 int run_agent(dds::Participant& participant, std::uint32_t number) {
   Ear ear({0});
   Link link, stray;
-  link.add_writers(participant, dds::up_partition(RobotId{number}), ear);
-  link.add_readers(participant, dds::down_partition(RobotId{number}), ear);
-  stray.add_writers(participant, "else." + std::to_string(number), ear);  // nobody must hear this
-  ear.wait("the hub", [&] { return link.matched(); });
-  ear.repeat(
-      "the hub's ready", [&] { link.send_ready(number); }, [&] { return ear.ready(0); });
-  stray.send_ready(kIntruder);
-  link.send_all(number);
-  ear.wait("the hub's messages", [&] { return ear.complete(0); });
+  try {
+    link.add_writers(participant, dds::up_partition(RobotId{number}), ear);
+    link.add_readers(participant, dds::down_partition(RobotId{number}), ear);
+    stray.add_writers(participant, "else." + std::to_string(number), ear);  // nobody must hear this
+    ear.wait("the hub", [&] { return link.matched(); });
+    ear.repeat(
+        "the hub's ready", [&] { link.send_ready(number); }, [&] { return ear.ready(0); });
+    stray.send_ready(kIntruder);
+    link.send_all(number);
+    ear.wait("the hub's messages", [&] { return ear.complete(0); });
+  } catch (const Failure& e) {
+    fail("agent " + std::to_string(number) + " " + e.what() + link.unmatched());
+  }
   say("complete");
   std::string line;
   std::getline(std::cin, line);
@@ -202,15 +246,19 @@ int run_agent(dds::Participant& participant, std::uint32_t number) {
 /// once.
 void serve(dds::Participant& participant, Ear& ear, std::uint32_t agent) {
   Link link;
-  link.add_writers(participant, dds::down_partition(RobotId{agent}), ear);
-  ear.wait("agent " + std::to_string(agent), [&] { return link.matched() && ear.ready(agent); });
-  // An agent begins when it has heard our ready on every topic.
-  ear.repeat(
-      "the agent to begin", [&] { link.send_ready(0); }, [&] { return ear.begun(agent); });
-  link.send_all(0);
-  ear.wait("an agent's messages", [&] { return ear.complete(agent); });
-  say("complete " + std::to_string(agent));
-  ear.wait("the end", [&] { return ear.closed(); });
+  try {
+    link.add_writers(participant, dds::down_partition(RobotId{agent}), ear);
+    ear.wait("ready", [&] { return link.matched() && ear.ready(agent); });
+    // An agent begins when it has heard our ready on every topic.
+    ear.repeat(
+        "the agent to begin", [&] { link.send_ready(0); }, [&] { return ear.begun(agent); });
+    link.send_all(0);
+    ear.wait("messages", [&] { return ear.complete(agent); });
+    say("complete " + std::to_string(agent));
+    ear.wait_for_close();
+  } catch (const Failure& e) {
+    fail("hub for agent " + std::to_string(agent) + " " + e.what() + link.unmatched());
+  }
 }
 
 int run_hub(dds::Participant& participant, const std::set<std::uint32_t>& agents) {

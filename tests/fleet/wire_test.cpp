@@ -1,11 +1,11 @@
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
-#include <cstdio>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -39,36 +39,48 @@ class Peer {
     close(in[0]);
     close(out[1]);
     stdin_ = in[1];
-    stdout_ = fdopen(out[0], "r");
+    stdout_ = out[0];
   }
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
   ~Peer() {
     if (pid_ > 0) kill(pid_, SIGKILL);
     finish();
-    std::fclose(stdout_);
+    close(stdout_);
   }
 
-  /// Empty when it has ended.
+  /// What it says next; empty when it has ended, or says nothing for longer than its own limits.
   std::string line() {
-    char text[512] = {};
-    if (std::fgets(text, sizeof text, stdout_) == nullptr) return {};
-    std::string l = text;
-    if (!l.empty() && l.back() == '\n') l.pop_back();
+    std::size_t end = 0;
+    while ((end = heard_.find('\n')) == std::string::npos) {
+      pollfd readable{.fd = stdout_, .events = POLLIN, .revents = 0};
+      char text[512];
+      const ssize_t n =
+          poll(&readable, 1, kPatience_ms) == 1 ? read(stdout_, text, sizeof text) : 0;
+      if (n <= 0) return {};
+      heard_.append(text, static_cast<std::size_t>(n));
+    }
+    const std::string l = heard_.substr(0, end);
+    heard_.erase(0, end + 1);
     return l;
   }
-  /// Exit status after closing its stdin.
+  /// Exit status after closing its stdin; -1 when it had to be killed.
   int finish() {
     if (stdin_ >= 0) close(std::exchange(stdin_, -1));
+    if (pid_ <= 0) return -1;
+    for (pollfd ended{.fd = stdout_, .events = 0, .revents = 0}; (ended.revents & POLLHUP) == 0;) {
+      if (poll(&ended, 1, kPatience_ms) != 1) kill(pid_, SIGKILL);
+    }
     int status = -1;
-    if (pid_ > 0) waitpid(std::exchange(pid_, -1), &status, 0);
+    waitpid(std::exchange(pid_, -1), &status, 0);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
  private:
+  static constexpr int kPatience_ms = 150'000;
   pid_t pid_ = -1;
-  int stdin_ = -1;
-  FILE* stdout_ = nullptr;
+  int stdin_ = -1, stdout_ = -1;
+  std::string heard_;
 };
 
 std::set<std::string> files_in(const char* directory) {
@@ -88,17 +100,17 @@ void exchange(const std::string& hub_vendor) {
   REQUIRE(hub.line() == "open");
   Peer cyclone({"cyclonedds", domain, "agent", "1"});
   Peer fast({"fastdds", domain, "agent", "2"});
-  CHECK(cyclone.line() == "complete");
-  CHECK(fast.line() == "complete");
+  REQUIRE(cyclone.line() == "complete");
+  REQUIRE(fast.line() == "complete");
   std::set<std::string> served = {hub.line(), hub.line()};
-  CHECK(served == std::set<std::string>{"complete 1", "complete 2"});
+  REQUIRE(served == std::set<std::string>{"complete 1", "complete 2"});
 
   Peer late_cyclone({"cyclonedds", domain, "agent", "3"});
   Peer late_fast({"fastdds", domain, "agent", "4"});
-  CHECK(late_cyclone.line() == "complete");
-  CHECK(late_fast.line() == "complete");
+  REQUIRE(late_cyclone.line() == "complete");
+  REQUIRE(late_fast.line() == "complete");
   served = {hub.line(), hub.line()};
-  CHECK(served == std::set<std::string>{"complete 3", "complete 4"});
+  REQUIRE(served == std::set<std::string>{"complete 3", "complete 4"});
   for (Peer* p : {&cyclone, &fast, &late_cyclone, &late_fast, &hub}) CHECK(p->finish() == 0);
 }
 
