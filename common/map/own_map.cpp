@@ -122,9 +122,9 @@ bool OwnMap::unexplained(VoxelKey k, const Vec3& spot, const Vec3& direction,
   }
   // Noise may have put the return of a surface a little behind in front of it.
   const double error_m = range_error_m(measured_m) + config_.resolution_m;
-  for (double s = config_.resolution_m; s < error_m + config_.resolution_m;
-       s += config_.resolution_m / 2) {
-    const Evidence e = evidence(key(spot + s * direction));
+  const double step_m = config_.resolution_m / 2;
+  for (int i = 2; i * step_m < error_m + config_.resolution_m; ++i) {
+    const Evidence e = evidence(key(spot + i * step_m * direction));
     if (e == kNoEvidence || e >= 0) return false;
   }
   return true;

@@ -39,7 +39,8 @@ Worth PanoramaReader::column(const Vec3& eye, double yaw_rad, int column) const 
     VoxelKey last = map_.key(eye);
     double clear = 1;
     bool unknown_before = false;
-    for (double d = step_m; d < range_m; d += step_m) {
+    for (int i = 1; i * step_m < range_m; ++i) {
+      const double d = i * step_m;
       const VoxelKey k = map_.key(eye + d * direction);
       const Voxel v = reader.at(k);
       if (v == Voxel::kOccupied) {

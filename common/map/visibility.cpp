@@ -147,7 +147,8 @@ double ViewpointSearch::volume_in_view(const Pose& pose) const {
       const double az = fov.hfov_rad * (0.5 - (c + 0.5) / kColumns),
                    el = fov.vfov_rad * ((r + 0.5) / kRows - 0.5);
       const Vec3 direction = ray_direction(pose.yaw_rad, config_.pitch_rad, az, el);
-      for (double d = kStepM; d < fov.range_m; d += kStepM) {
+      for (int i = 1; i * kStepM < fov.range_m; ++i) {
+        const double d = i * kStepM;
         const VoxelKey k = map_.key(pose.p + d * direction);
         const Voxel v = reader.at(k);
         if (v == Voxel::kOccupied) break;

@@ -420,9 +420,12 @@ bool Executive::taken(const map::VoxelMap& map, const Vec3& p) const {
   const double edge_m = map.config().resolution_m;
   const double lowest_z = map.config().bounds.low().z();
   double ground_z = p.z(), top_z = p.z() - kDown_m;
-  for (double dx = -kAround_m; dx <= kAround_m; dx += edge_m) {
-    for (double dy = -kAround_m; dy <= kAround_m; dy += edge_m) {
-      for (double z = p.z(); z > p.z() - kDown_m; z -= edge_m) {
+  const int around = static_cast<int>(kAround_m / edge_m);
+  for (int ix = -around; ix <= around; ++ix) {
+    for (int iy = -around; iy <= around; ++iy) {
+      const double dx = ix * edge_m, dy = iy * edge_m;
+      for (int iz = 0; iz * edge_m < kDown_m; ++iz) {
+        const double z = p.z() - iz * edge_m;
         if (map.at(Vec3(p.x() + dx, p.y() + dy, z)) != map::Voxel::kOccupied) continue;
         ground_z = std::min(ground_z, z);
         if (std::hypot(dx, dy) < radius_m_ + edge_m) top_z = std::max(top_z, z);

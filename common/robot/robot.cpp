@@ -194,9 +194,8 @@ mission::Beacon Robot::beacon() {
   b.radius_m = static_cast<float>(knowledge_.config().vehicle.radius_m);
   b.battery = knowledge_.battery().charge;
   const nav::Trajectory& t = executive_.trajectory();
-  for (double ahead_s = kAnnounceStep_s; !t.empty() && ahead_s <= kAnnounceSpan_s;
-       ahead_s += kAnnounceStep_s) {
-    const SimTime at = now + Duration::from_s(ahead_s);
+  for (int i = 1; !t.empty() && i * kAnnounceStep_s <= kAnnounceSpan_s; ++i) {
+    const SimTime at = now + Duration::from_s(i * kAnnounceStep_s);
     const nav::State s = t.at(at);
     b.trajectory.push_back({at, {s.p, s.yaw_rad}});
     if (at >= t.end()) break;

@@ -10,7 +10,8 @@ namespace {
 /// Framed windows along x on a wall at y, one row for each floor above `z0`.
 void windows(Solids& out, double width, double y, double z0, double z1) {
   const int n = std::max(1, static_cast<int>(width / 2.2));
-  for (double z = z0; z + 2.2 <= z1 + 1e-9; z += 2.8) {
+  for (int floor = 0; z0 + 2.8 * floor + 2.2 <= z1 + 1e-9; ++floor) {
+    const double z = z0 + 2.8 * floor;
     for (int i = 0; i < n; ++i) {
       const double x = width * ((i + 0.5) / n - 0.5);
       out.box({x - 0.5, y - 0.1, z + 0.8}, {x + 0.5, y + 0.1, z + 2.1});
@@ -101,7 +102,8 @@ void tower(YamlMap& map, Solids& out) {
   out.prism(polygon(sides, radius), 0, height);
   out.frustum(polygon(sides, radius), height - 1.2, polygon(sides, radius + 0.45), height - 0.5);
   out.prism(polygon(sides, radius + 0.45), height - 0.5, height);
-  for (double z = 2.4; z + 2.5 < height; z += 3.2) {
+  for (int floor = 0; 2.4 + 3.2 * floor + 2.5 < height; ++floor) {
+    const double z = 2.4 + 3.2 * floor;
     out.box({-0.35, -radius - 0.12, z}, {0.35, -radius + 0.3, z + 1.2});
     out.box({-0.35, radius - 0.3, z}, {0.35, radius + 0.12, z + 1.2});
   }
@@ -158,7 +160,7 @@ void church(YamlMap& map, Solids& out) {
   out.set_frame(out.nested({{0, -length - 1.8, 0}, 0}));
   const double half = 2.3;
   out.prism(rectangle(2 * half, 2 * half), 0, spire);
-  for (double z = 4; z < spire; z += 4) {
+  for (int z = 4; z < spire; z += 4) {
     out.prism(rectangle(2 * half + 0.4, 2 * half + 0.4), z - 0.15, z + 0.15);  // cornices
   }
   out.arch(2 * half + 0.8, 2 * half + 0.5, 3.4, 1.8, 1.6);

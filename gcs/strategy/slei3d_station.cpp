@@ -123,7 +123,8 @@ Vec3 Slei3dStation::parking_for(robot::Knowledge& k, const Vec3& place) {
   const double range_m = k.mission().radio.range_m - kRadioMargin_m;
   Vec3 best = fallback;
   double best_cost = 1e18;
-  for (double r = kNotTooClose_m; r <= range_m; r += 0.4) {
+  for (int ring = 0; kNotTooClose_m + 0.4 * ring <= range_m; ++ring) {
+    const double r = kNotTooClose_m + 0.4 * ring;
     for (int i = 0; i < 16; ++i) {
       const double a = i * std::numbers::pi / 8;
       const Vec3 p(place.x() + r * std::cos(a), place.y() + r * std::sin(a), ride_m);
