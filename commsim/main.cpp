@@ -1,24 +1,16 @@
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "common/core/command_line.h"
 #include "common/core/line_channel.h"
 #include "common/core/log.h"
 #include "common/core/program.h"
 #include "common/dds/lockstep.h"
 #include "commsim/relay.h"
+#include "commsim/world/hub_cli.h"
 
 namespace muster {
 namespace {
-
-struct Options {
-  std::string mission_file, vendor = "cyclonedds", out = ".";
-  std::vector<std::string> set;
-  std::uint32_t domain = 0;
-  int control_fd = -1;
-};
 
 std::vector<RobotId> robots_of(const mission::Mission& mission) {
   std::vector<RobotId> all;
@@ -36,7 +28,7 @@ void listen(LineChannel& control, dds::RadioLockstep& radio) {
   }
 }
 
-int run(const Options& options) {
+int run(const world::HubOptions& options) {
   end_with_launcher();
   log::open(options.out + "/logs", "commsim");
   const mission::Mission mission = mission::Mission::load(options.mission_file, options.set);
@@ -77,20 +69,13 @@ int run(const Options& options) {
 }  // namespace muster
 
 int main(int argc, char** argv) {
-  muster::Options options;
-  CLI::App app{
-      "muster-commsim: the radio. Hears what every robot sends, decides by range and walls who "
-      "receives it, and delivers it one tick "
-      "later. Started by `muster run`; robots in the field have a real radio instead."};
-  app.add_option("--mission", options.mission_file, "mission file")->required();
-  app.add_option("--set", options.set, "KEY=VALUE: overrides a key of the mission file; repeatable")
-      ->expected(1)
-      ->take_all();
-  app.add_option("--domain", options.domain, "DDS domain of the bus; the radio is on the next one")
-      ->required();
-  app.add_option("--dds", options.vendor, "cyclonedds or fastdds")->capture_default_str();
-  app.add_option("--out", options.out, "directory whose logs/ gets the log")->capture_default_str();
-  app.add_option("--control-fd", options.control_fd, "socket on which `muster run` talks to us");
-  CLI11_PARSE(app, argc, argv);
-  return muster::run_program("muster-commsim", [&] { return muster::run(options); });
+  return muster::run_program("muster-commsim", [&] {
+    muster::world::HubOptions options;
+    CLI::App app{
+        "muster-commsim: the radio. Hears what every robot sends, decides by range and walls who "
+        "receives it, and delivers it one tick later. Started by `muster run`; robots in the field "
+        "have a real radio instead."};
+    muster::world::add_hub_options(app, options, "directory whose logs/ gets the log");
+    return muster::parse_command_line(app, argc, argv) ? muster::run(options) : 0;
+  });
 }

@@ -254,7 +254,7 @@ Vec3 Slei3dInspector::route_end(robot::Knowledge& k, const Orders& o) const {
   if (const auto view = view_pose(k, area, refused == refused_.end() ? none : refused->second, 0))
     return view->pose.p;
   for (const double m : {1.5, 2.0, 2.5, 1.0, 3.0, 4.0}) {
-    const Vec3 p = area.position + m * (area.sighted_from.p - area.position).normalized();
+    Vec3 p = area.position + m * (area.sighted_from.p - area.position).normalized();
     if (k.map().traversable(p)) return p;
   }
   return area.sighted_from.p;

@@ -94,7 +94,8 @@ Vantages::Vantages(const Box& box, const map::VoxelMap& map) {
 
 Vec3 Vantages::spot(std::size_t place) const {
   const int i = static_cast<int>(place);
-  return first_ + kPitch_m * Vec3(i % nx_, i / nx_ % ny_, i / nx_ / ny_);
+  const Eigen::Vector3i cell(i % nx_, i / nx_ % ny_, i / nx_ / ny_);
+  return first_ + kPitch_m * cell.cast<double>();
 }
 
 std::vector<std::size_t> Vantages::around(const map::VoxelMap& map, const Vec3& p) const {
@@ -106,7 +107,8 @@ std::vector<std::size_t> Vantages::around(const map::VoxelMap& map, const Vec3& 
   for (int z = from(low.z()); z <= to(high.z(), nz_); ++z) {
     for (int y = from(low.y()); y <= to(high.y(), ny_); ++y) {
       for (int x = from(low.x()); x <= to(high.x(), nx_); ++x) {
-        const auto place = static_cast<std::size_t>((z * ny_ + y) * nx_ + x);
+        const int cell = (z * ny_ + y) * nx_ + x;
+        const auto place = static_cast<std::size_t>(cell);
         const Vec3 s = spot(place);
         if ((s - p).squaredNorm() > kNear_m * kNear_m || !map.traversable(s)) continue;
         result.push_back(place);
@@ -161,6 +163,7 @@ std::vector<View> Vantages::best(robot::Knowledge& k, const map::Targets& target
     return a.rate != b.rate ? a.rate < b.rate : a.place > b.place;
   };
   std::vector<Bound> heap;
+  heap.reserve(places.size());
   for (const std::size_t p : places) heap.push_back(bound(p));
   std::make_heap(heap.begin(), heap.end(), less);
 

@@ -1,11 +1,15 @@
 #include "common/core/yaml.h"
 
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
 namespace muster {
 
 YamlMap YamlMap::load(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error))
+    throw BadInput(path + ": is a directory; a YAML file is expected");
   try {
     return YamlMap(YAML::LoadFile(path), path, "");
   } catch (const YAML::BadFile&) {
@@ -49,13 +53,16 @@ void YamlMap::finish() const {
   }
 }
 
-void YamlMap::fail(const std::string& key, const std::string& message) const {
+std::string YamlMap::place(const std::string& key) const {
   int at = node_.Mark().line;
   if (!key.empty() && node_.IsMap() && node_[key]) at = node_[key].Mark().line;
   std::string name = path_ + key;
   if (!name.empty() && name.back() == '.') name.pop_back();
-  throw BadInput(file_ + ":" + std::to_string(at + 1) + ": " + (name.empty() ? "" : name + ": ") +
-                 message);
+  return file_ + ":" + std::to_string(at + 1) + (name.empty() ? "" : ": " + name);
+}
+
+void YamlMap::fail(const std::string& key, const std::string& message) const {
+  throw BadInput(place(key) + ": " + message);
 }
 
 void YamlMap::convert(const YAML::Node& n, const std::string& key, double& value) {

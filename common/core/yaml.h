@@ -51,6 +51,8 @@ class YamlMap {
   /// Throws BadInput for the first key that was never read.
   void finish() const;
 
+  /// `file:line: key`, for complaints that can only be made later.
+  std::string place(const std::string& key) const;
   /// Throws BadInput: `file:line: key: message`. With `key` empty, the line of the mapping itself.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 

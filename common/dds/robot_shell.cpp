@@ -11,9 +11,9 @@
 #include "common/core/error.h"
 #include "common/core/log.h"
 #include "common/core/program.h"
-#include "common/core/yaml.h"
 #include "common/dds/field.h"
 #include "common/dds/lockstep.h"
+#include "common/mission/robot_file.h"
 
 namespace muster::dds {
 namespace {
@@ -62,20 +62,18 @@ std::string run_in_barrier(const RobotShellOptions& options, mission::Process& p
 }  // namespace
 
 RobotShellOptions RobotShellOptions::from_file(const std::string& path) {
+  const mission::RobotFile file = mission::RobotFile::load(path);
   RobotShellOptions o;
   o.field = true;
-  YamlMap map = YamlMap::load(path);
-  map.require("mission", o.mission_file);
-  map.read("id", o.id);
-  map.read("dds", o.vendor);
-  map.read("profile", o.profile);
-  map.read("interface", o.network_interface);
-  map.read("peers", o.peers);
-  map.read("domain", o.air_domain);
-  map.read("bus_domain", o.domain);
-  map.read("state_dir", o.out);
-  map.finish();
-  if (!o.domain && o.air_domain) o.domain = *o.air_domain + 1;
+  o.mission_file = file.mission_file;
+  o.id = file.id.value;
+  o.vendor = file.dds;
+  o.profile = file.profile;
+  o.network_interface = file.network_interface;
+  o.peers = file.peers;
+  o.air_domain = file.domain;
+  o.domain = file.bus_domain;
+  o.out = file.state_dir;
   return o;
 }
 

@@ -31,8 +31,7 @@ struct RobotShellOptions {
   double speed = 1;
   bool field = false;  ///< own clock, no barrier
 
-  /// Reads /etc/muster/<id>.yaml: mission, id, dds, profile, interface, peers, domain (air),
-  /// bus_domain, state_dir. Implies `field`.
+  /// Takes /etc/muster/<id>.yaml (mission::RobotFile). Implies `field`.
   static RobotShellOptions from_file(const std::string& path);
   /// Throws BadInput when something needed is missing.
   void validate() const;

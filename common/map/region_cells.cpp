@@ -39,7 +39,8 @@ CellClusters::Neighbours neighbours_of(const std::vector<BlockKey>& keys) {
 /// Index among the 27 blocks around of the one beyond `face`.
 std::size_t beyond(int face) {
   const VoxelKey& d = kFaces[face];
-  return static_cast<std::size_t>(d.x + 1 + 3 * (d.y + 1) + 9 * (d.z + 1));
+  const int index = d.x + 1 + 3 * (d.y + 1) + 9 * (d.z + 1);
+  return static_cast<std::size_t>(index);
 }
 
 Plane plane(const std::uint64_t* words) {

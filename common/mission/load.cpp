@@ -111,6 +111,7 @@ void read_group(YamlMap& group, Vehicles& vehicles, Mission& m) {
     robot.role = role;
     robot.skills = skills;
     robot.start = read_start(group, numbers);
+    robot.place = group.place("starts");
     vehicles.assign(group, vehicle, robot);
     if (robot.id.value == 0 || robot.id >= kRadioId) {
       group.fail("first_id", "robot ids are 1 and above");
@@ -247,6 +248,7 @@ ScriptedEvent read_event(YamlMap map, const Mission& m) {
 void read_boxes(YamlMap& map, Mission& m) {
   for (YamlMap& item : map.list("boxes")) {
     m.boxes.push_back(read_box(item));
+    m.box_places.push_back(item.place(""));
     if (!inside(m.boxes.back(), m.hull)) item.fail("", "the box reaches outside the hull");
   }
   if (m.boxes.empty()) map.fail("boxes", "at least one bounding box is expected");

@@ -44,6 +44,7 @@ struct RobotConfig {
   Vehicle vehicle;
   Pose start;  ///< position of the body's centre
   std::uint32_t skills = 0;
+  std::string place;  ///< `file:line: key` of its start, for who checks it against the scene
 };
 
 struct SensingConfig {
@@ -104,6 +105,7 @@ struct Mission {
   bool ground = false;     ///< adds the plane z = 0 under the hull, for meshes that bring none
   Box hull;                ///< the site; also geofence and ceiling
   std::vector<Box> boxes;  ///< bounding boxes; RegionId indexes this
+  std::vector<std::string> box_places;  ///< `file:line: key` of each
   std::vector<RobotConfig> fleet;
   std::string strategy = "slei3d";
   std::uint64_t seed = 1;

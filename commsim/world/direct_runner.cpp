@@ -106,8 +106,8 @@ class DirectRunner {
       commands_.clear();
       if (k % 10 == 0) control_.tell({{"progress", flight_.progress()}});
       for (const auto& [verb, robot] : control_.take_requests()) flight_.request(verb, robot);
-      if (const auto reason = flight_.end_reason(k, ways_.size())) return *reason;
-      if (const std::string reason = control_.stop_reason(); !reason.empty()) return reason;
+      if (auto reason = flight_.end_reason(k, ways_.size())) return *std::move(reason);
+      if (std::string reason = control_.stop_reason(); !reason.empty()) return reason;
     }
   }
 

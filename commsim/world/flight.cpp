@@ -143,15 +143,15 @@ void Flight::request(RequestVerb verb, RobotId robot) {
   if (verb == RequestVerb::kResume) called_home_.reset();
   nlohmann::json line = {{"t_s", now_.s()}, {"event", "request"}, {"verb", to_string(verb)}};
   if (robot != kNoRobot) line["robot"] = robot.value;
-  event(std::move(line));
+  event(line);
 }
 
-void Flight::event(nlohmann::json event) {
+void Flight::event(const nlohmann::json& event) {
   if (events_.is_open()) events_ << event.dump() << '\n';
 }
 
 void Flight::write_events() {
-  for (nlohmann::json& line : world_.take_events()) event(std::move(line));
+  for (const nlohmann::json& line : world_.take_events()) event(line);
 }
 
 void Flight::write_tracks(const mission::Truth& truth) {

@@ -57,7 +57,7 @@ class Flight {
   void robot_back(RobotId robot);
   /// The operator's request, forwarded to the station.
   void request(mission::RequestVerb verb, RobotId robot);
-  void event(nlohmann::json event);
+  void event(const nlohmann::json& event);
 
   std::uint64_t trace_hash() const { return trace_.value(); }
   SimTime now() const { return now_; }

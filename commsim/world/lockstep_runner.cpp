@@ -78,7 +78,11 @@ class LockstepRunner {
       auto loaded = std::make_unique<Loaded>(mission_, options_);
       load_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
       return loaded;
-    } catch (...) {
+    } catch (const std::exception& e) {
+      // Told before the robots are, so that the run ends with this and not with what they make of
+      // it.
+      control_.tell(
+          {{"failed", e.what()}, {"bad_input", dynamic_cast<const BadInput*>(&e) != nullptr}});
       barrier_.interrupt("the site cannot be used", true);
       throw;
     }
@@ -127,11 +131,11 @@ class LockstepRunner {
       if (k % 10 == 0) control_.tell({{"progress", flight().progress()}});
       world().end_tick(k, answers.commands);
       for (const auto& [verb, robot] : control_.take_requests()) flight().request(verb, robot);
-      if (const auto reason = flight().end_reason(k, barrier_.alive().size())) {
+      if (auto reason = flight().end_reason(k, barrier_.alive().size())) {
         radio_answers();
-        return *reason;
+        return *std::move(reason);
       }
-      if (const std::string reason = control_.stop_reason(); !reason.empty()) {
+      if (std::string reason = control_.stop_reason(); !reason.empty()) {
         radio_answers();
         return reason;
       }
@@ -140,7 +144,7 @@ class LockstepRunner {
   }
 
   mission::Done radio_answers() {
-    const mission::Done done = barrier_.await_radio();
+    mission::Done done = barrier_.await_radio();
     flight().radio_done(done.trace);
     return done;
   }

@@ -12,17 +12,14 @@
 #include "common/core/ids.h"
 #include "common/core/line_channel.h"
 #include "common/mission/messages.h"
+#include "commsim/world/hub_options.h"
 
 namespace muster::world {
 
 /// How a process of `muster-world` is asked to run.
-struct RunnerOptions {
-  std::string mission_file, vendor = "cyclonedds", out = ".";
-  std::vector<std::string> set;
-  std::uint32_t domain = 0;
+struct RunnerOptions : HubOptions {
   double duration_s = 0;
-  double speed = 0;  ///< 0: as fast as possible
-  int control_fd = -1;
+  double speed = 0;    ///< 0: as fast as possible
   bool trace = false;  ///< write trace.csv
 };
 
@@ -31,7 +28,7 @@ struct RunnerOptions {
 ///     to us    {"dead": id, "how": text}   {"request": verb, "robot": id}   {"stop": reason}   end
 ///     of stream: go
 ///     from us  {"matched": true}  {"started": true, "load_s": …}  {"progress": …}  {"kill": id}
-///     {"revive": id}  {"summary": …}  {"failed": text}
+///     {"revive": id}  {"summary": …}  {"failed": text, "bad_input": bool}
 class RunControl {
  public:
   explicit RunControl(int fd);

@@ -151,7 +151,8 @@ void check_mesh(const Mesh& mesh, const std::string& name) {
   if (mesh.triangles.empty()) throw BadInput(name + ": has no triangles");
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     if (!mesh.vertices[i].allFinite()) {
-      throw BadInput(name + ": vertex " + std::to_string(i) + " is not finite");
+      throw BadInput(name + ": vertex " + std::to_string(i) +
+                     " is not finite: every coordinate must be a number");
     }
   }
   const int count = static_cast<int>(mesh.vertices.size());

@@ -13,8 +13,18 @@ namespace {
 
 constexpr double kTouchM = 0.005;
 
-[[noreturn]] void refuse(const mission::Mission& mission, const std::string& what) {
-  throw BadInput(mission.file + ": " + what);
+[[noreturn]] void refuse(const std::string& place, const std::string& what) {
+  throw BadInput(place + ": " + what);
+}
+
+/// Where the mission's file says where `r` starts. A mission made by code has no lines.
+std::string place_of(const mission::Mission& mission, const mission::RobotConfig& r) {
+  return r.place.empty() ? mission.file + ": fleet" : r.place;
+}
+
+std::string place_of_box(const mission::Mission& mission, std::size_t i) {
+  return i < mission.box_places.size() ? mission.box_places[i]
+                                       : mission.file + ": boxes[" + std::to_string(i) + "]";
 }
 
 std::string metres(double v) {
@@ -25,8 +35,8 @@ std::string metres(double v) {
 
 std::string robot_at(const mission::RobotConfig& r) {
   char text[96];
-  std::snprintf(text, sizeof text, "fleet: robot %u at (%.2f, %.2f, %.2f)", r.id.value,
-                r.start.p.x(), r.start.p.y(), r.start.p.z());
+  std::snprintf(text, sizeof text, "robot %u at (%.2f, %.2f, %.2f)", r.id.value, r.start.p.x(),
+                r.start.p.y(), r.start.p.z());
   return text;
 }
 
@@ -63,9 +73,9 @@ void check_boxes(const mission::Mission& mission, const Scene& scene) {
     if ((box_high.array() < low.array()).any() || (box_low.array() > high.array()).any()) {
       char text[160];
       std::snprintf(text, sizeof text,
-                    " lies outside the scene, which is x %.1f..%.1f, y %.1f..%.1f, z %.1f..%.1f",
+                    "lies outside the scene, which is x %.1f..%.1f, y %.1f..%.1f, z %.1f..%.1f",
                     low.x(), high.x(), low.y(), high.y(), low.z(), high.z());
-      refuse(mission, "boxes: number " + std::to_string(i + 1) + text);
+      refuse(place_of_box(mission, i), text);
     }
   }
 }
@@ -74,17 +84,20 @@ void check_start(const mission::Mission& mission, const Scene& scene,
                  const mission::RobotConfig& robot) {
   const mission::Vehicle& v = robot.vehicle;
   Vec3 p = robot.start.p;
-  if (inside_solid(scene.mesh(), p)) refuse(mission, robot_at(robot) + " starts inside a wall");
+  const std::string place = place_of(mission, robot);
+  if (inside_solid(scene.mesh(), p)) {
+    refuse(place, robot_at(robot) + " starts inside a wall; a free place is expected");
+  }
   if (v.ground) {
     const auto ground = scene.cast(p, -Vec3::UnitZ(), v.ride_height_m + 2);
-    if (!ground) refuse(mission, robot_at(robot) + " has no ground below to stand on");
+    if (!ground) refuse(place, robot_at(robot) + " has no ground below to stand on");
     p.z() += v.ride_height_m - ground->distance_m;
   }
   const double needed = (v.ground ? std::min(v.radius_m, v.ride_height_m - kTouchM) : v.radius_m);
   const double gap = scene.clearance(p, needed + 1);
   if (gap < needed + kTouchM) {
-    refuse(mission, robot_at(robot) + " starts " + metres(gap) +
-                        " from a surface; its body has a radius of " + metres(v.radius_m));
+    refuse(place, robot_at(robot) + " starts " + metres(gap) +
+                      " from a surface; its body has a radius of " + metres(v.radius_m));
   }
 }
 
@@ -95,8 +108,9 @@ void check_overlaps(const mission::Mission& mission) {
       const double apart = (a.start.p - b.start.p).norm();
       const double needed = a.vehicle.radius_m + b.vehicle.radius_m;
       if (apart <= needed) {
-        refuse(mission, robot_at(a) + " overlaps robot " + std::to_string(b.id.value) + ": " +
-                            metres(apart) + " apart, their bodies need " + metres(needed));
+        refuse(place_of(mission, a), robot_at(a) + " overlaps robot " + std::to_string(b.id.value) +
+                                         ": " + metres(apart) + " apart, their bodies need " +
+                                         metres(needed));
       }
     }
   }

@@ -21,7 +21,6 @@
 #include "commsim/world/flight.h"
 #include "deploy/muster/child.h"
 #include "deploy/muster/control_socket.h"
-#include "deploy/muster/free_domain.h"
 #include "deploy/muster/interrupt.h"
 #include "deploy/muster/progress.h"
 #include "deploy/muster/run_results.h"
@@ -47,7 +46,7 @@ class Launcher {
   Launcher(const mission::Mission& mission, const RunOptions& options)
       : mission_(mission),
         options_(options),
-        domain_(free_domain(options.domain)),
+        domain_(options.domain.value()),
         progress_(Progress::form_for(options.json)),
         socket_(options.out, [this](auto verb, RobotId robot) { return request(verb, robot); }) {}
 
@@ -202,7 +201,10 @@ class Launcher {
     if (message.contains("kill")) kill_robot(RobotId{message["kill"].get<std::uint32_t>()});
     if (message.contains("revive")) revive_robot(RobotId{message["revive"].get<std::uint32_t>()});
     if (message.contains("radio")) radio_summary_ = message["radio"];
-    if (message.contains("failed")) fail(message["failed"].get<std::string>());
+    if (message.contains("failed")) {
+      fail(message["failed"].get<std::string>(),
+           message.value("bad_input", false) ? kExitBadInput : kExitFailure);
+    }
     if (message.contains("summary")) {
       summary_ = message["summary"];
       wall_s_ = std::chrono::duration<double>(Clock::now() - started_).count();
@@ -348,6 +350,7 @@ class Launcher {
     if (failure_ && !begun_) {
       fmt::print(stderr, "{}\n",
                  failure_->rfind("muster", 0) == 0 ? *failure_ : "muster: " + *failure_);
+      if (options_.out_is_new) remove_results(options_.out, failure_status_ != kExitBadInput);
       return failure_status_;
     }
     json summary = summary_ ? *summary_ : last_progress_;

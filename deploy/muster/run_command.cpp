@@ -2,7 +2,10 @@
 #include <filesystem>
 #include <memory>
 
+#include "commsim/world/scene.h"
+#include "commsim/world/site_check.h"
 #include "deploy/muster/commands.h"
+#include "deploy/muster/free_domain.h"
 #include "deploy/muster/launcher.h"
 #include "deploy/muster/run_memory.h"
 #include "deploy/muster/run_options.h"
@@ -33,7 +36,10 @@ int run(RunOptions& options) {
   options.mission_file =
       std::filesystem::absolute(options.mission_file).lexically_normal().string();
   options.out = std::filesystem::absolute(options.out).lexically_normal().string();
-  prepare_output(options.out);
+  // Before anything is made or started.
+  world::check_site(mission, *world::Scene::load(mission));
+  if (options.transport == "dds") options.domain = free_domain(options.domain);
+  options.out_is_new = prepare_output(options.out);
   return options.transport == "memory" ? run_in_memory(mission, options)
                                        : run_over_dds(mission, options);
 }

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "common/core/cpu_time.h"
+#include "common/core/error.h"
 #include "common/core/log.h"
 #include "commsim/world/pacer.h"
 #include "deploy/muster/control_socket.h"
@@ -44,6 +46,19 @@ class RequestQueue {
   std::vector<std::pair<mission::RequestVerb, RobotId>> waiting_;
 };
 
+/// What is wrong with a site may come to light only when its features are drawn.
+std::unique_ptr<MemoryFleet> make_fleet(const mission::Mission& mission,
+                                        const RunOptions& options) {
+  const world::FlightConfig flight{
+      .out = options.out, .duration_s = options.duration_s, .trace = options.trace};
+  try {
+    return std::make_unique<MemoryFleet>(mission, make_process, flight);
+  } catch (const BadInput&) {
+    if (options.out_is_new) remove_results(options.out, false);
+    throw;
+  }
+}
+
 }  // namespace
 
 int run_in_memory(const mission::Mission& mission, const RunOptions& options) {
@@ -53,8 +68,8 @@ int run_in_memory(const mission::Mission& mission, const RunOptions& options) {
                              [&](auto verb, RobotId robot) { return requests.put(verb, robot); });
   log::open(options.out + "/logs", "fleet");
   const auto begin = std::chrono::steady_clock::now();
-  MemoryFleet fleet(mission, make_process,
-                    {.out = options.out, .duration_s = options.duration_s, .trace = options.trace});
+  const std::unique_ptr<MemoryFleet> made = make_fleet(mission, options);
+  MemoryFleet& fleet = *made;
   Progress progress(Progress::form_for(options.json));
   const world::Pacer pacer(options.speed_factor());
 

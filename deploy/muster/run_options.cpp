@@ -47,14 +47,26 @@ void RunOptions::validate(const mission::Mission& mission) const {
   speed_factor();
 }
 
-void prepare_output(const std::string& dir) {
+bool prepare_output(const std::string& dir) {
   std::error_code error;
+  const bool is_new = !std::filesystem::exists(dir, error);
   std::filesystem::create_directories(dir + "/logs", error);
   if (error) throw Failure("--out: " + dir + ": cannot be made: " + error.message());
   for (const std::string& place : {dir, dir + "/logs"}) {
     if (access(place.c_str(), W_OK | X_OK) != 0)
       throw Failure("--out: " + place + ": cannot be written to");
   }
+  return is_new;
+}
+
+void remove_results(const std::string& dir, bool keep_logs) {
+  std::error_code error;
+  std::vector<std::filesystem::path> results;
+  for (const auto& entry : std::filesystem::directory_iterator(dir, error)) {
+    if (!keep_logs || entry.path().filename() != "logs") results.push_back(entry.path());
+  }
+  for (const auto& path : results) std::filesystem::remove_all(path, error);
+  std::filesystem::remove(dir, error);  // only if it is empty now
 }
 
 }  // namespace muster::command

@@ -20,8 +20,9 @@ struct RunOptions {
   std::string speed = "max";       ///< max, or times real time
   std::vector<std::string> set;    ///< key=value
   std::vector<std::uint32_t> external;
-  std::string out;  ///< default: runs/<mission name>
-  std::optional<std::uint32_t> domain;
+  std::string out;                      ///< default: runs/<mission name>
+  bool out_is_new = false;              ///< made for this run
+  std::optional<std::uint32_t> domain;  ///< of the bus; over DDS, a free one once it is chosen
   double duration_s = 0;
   bool print_config = false;
   bool trace = false;
@@ -37,7 +38,10 @@ struct RunOptions {
   void validate(const mission::Mission& mission) const;
 };
 
-/// Makes DIR and DIR/logs. Throws Failure when nothing can be written there.
-void prepare_output(const std::string& dir);
+/// Makes DIR and DIR/logs; whether DIR was not there before. Throws Failure when nothing can be
+/// written there.
+bool prepare_output(const std::string& dir);
+/// Of a run that never began: nothing half-written stays. `keep_logs`: where they may say why.
+void remove_results(const std::string& dir, bool keep_logs);
 
 }  // namespace muster::command

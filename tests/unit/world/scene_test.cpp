@@ -101,11 +101,12 @@ TEST_CASE("a mesh file that cannot be trusted is refused by name") {
         ": cut short: 'endsolid' is missing");
   CHECK(folder.complaint("cut.ply", ply.substr(0, ply.size() - 30)) != "none");
   CHECK(folder.complaint("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n") ==
-        ": vertex 1 is not finite");
+        ": vertex 1 is not finite: every coordinate must be a number");
   std::string nan_stl = stl;
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::memcpy(nan_stl.data() + 84 + 12, &nan, 4);
-  CHECK(folder.complaint("nan.stl", nan_stl).ends_with("is not finite"));
+  CHECK(folder.complaint("nan.stl", nan_stl)
+            .ends_with("is not finite: every coordinate must be a number"));
   CHECK(folder.complaint("empty.stl", "") == ": the file is empty");
   CHECK(folder.complaint("points.obj", "v 0 0 0\nv 1 0 0\n") != "none");
   CHECK(folder.complaint("junk.gltf", "{\"asset\": ") != "none");

@@ -298,7 +298,7 @@ TEST_CASE("a mission that does not fit the scene is bad input, in one line that 
   CHECK(message(m).empty());
 
   m.boxes.push_back(Box::from_corners({100, 0, 0}, {110, 10, 5}));
-  CHECK(message(m).find("test.yaml: boxes: number 2 lies outside the scene") == 0);
+  CHECK(message(m).find("test.yaml: boxes[1]: lies outside the scene") == 0);
 
   m = small_fleet();
   m.fleet[1].start.p = {2.9, 0, 2};
