@@ -3,17 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "agent/strategy/surface_belief.h"
+
 namespace muster::agent {
 namespace {
 
 constexpr double kSameArea_m = 0.5;     // RULES "Sighting and inspecting"
 constexpr double kSameFeature_m = 0.4;  // four sigma of a sighting
-// An empty answer says that no feature lies within 0.5 m; one a little farther off may be sighted
-// in between.
-constexpr double kNothingHere_m = 0.3;
+constexpr double kNear_m = 0.75;        // where a sighting may be a stray one of something known
+// How far the middle of n sightings may lie from the feature: 4.5 sigma, and never less than…
+constexpr double kMiddle_m = 0.45, kMiddleLeast_m = 0.2;
 constexpr double kBoxMargin_m = 0.4;
 constexpr double kMoved_m = 0.08;
-constexpr double kSameSideCos = -0.26;  // 105°: one feature is seen from within 90° of its normal
+constexpr double kPlainCos = 0.5;    // directions this close can be of one surface, whatever it is
+constexpr double kOtherSide = 0.08;  // of showing itself to the sighter: less is another surface
+constexpr std::size_t kSure = 2;     // sightings that make a doubtful area one
 constexpr int kReviews = 2;
 
 bool concerns(const mission::Mission& mission, RegionId region, const Vec3& p) {
@@ -23,9 +27,46 @@ bool concerns(const mission::Mission& mission, RegionId region, const Vec3& p) {
                       [&](const Box& b) { return b.contains(p); });
 }
 
+SurfaceBelief belief_at(const robot::Knowledge& k, const Vec3& p, const Vec3& towards,
+                        double sigma_m) {
+  mission::Area at;
+  at.position = p;
+  at.normal = towards;
+  at.sighted_from.p = p + towards;
+  at.sigma_m = static_cast<float>(sigma_m);
+  return {k.map(), at, k.mission().inspect, k.config().vehicle};
+}
+
+/// Can who looked at a feature along `seen` have sighted the one that was found at `p` by a look
+/// along `found` (units, towards the cameras)?
+bool shows(const robot::Knowledge& k, const Vec3& p, const Vec3& found, const Vec3& seen) {
+  if (found.dot(seen) > kPlainCos) return true;
+  SurfaceBelief belief = belief_at(k, p, found, 0);
+  belief.accept(found);
+  return belief.shows(seen) > kOtherSide;
+}
+
 }  // namespace
 
+Vec3 AreaFitter::Fit::mean() const {
+  Vec3 sum = Vec3::Zero();
+  for (const Seen& s : seen) sum += s.sighting.position;
+  return sum / static_cast<double>(seen.size());
+}
+
+Vec3 AreaFitter::Fit::towards() const {
+  Vec3 sum = Vec3::Zero();
+  for (const Seen& s : seen) sum += s.towards;
+  return sum.normalized();
+}
+
+bool AreaFitter::Fit::seen_in(std::uint64_t look) const {
+  return std::any_of(seen.begin(), seen.end(), [&](const Seen& s) { return s.look == look; });
+}
+
 void AreaFitter::take(robot::Knowledge& k, const mission::Sightings& sightings, RegionId region) {
+  ++looks_;
+  std::set<FeatureId> taken;
   for (const mission::Sighting& s : sightings.seen) {
     if (!concerns(k.mission(), region, s.position)) continue;
     // Somebody else's area is not fitted again.
@@ -34,91 +75,164 @@ void AreaFitter::take(robot::Knowledge& k, const mission::Sightings& sightings, 
              (a.second.area.position - s.position).norm() < kSameArea_m;
     });
     if (theirs) continue;
-    const Seen seen{s, (sightings.sensor.p - s.position).normalized(), sightings.sensor, 0};
-    if (!explained(k, seen)) add(k, seen, region);
+    const Vec3 towards = (sightings.sensor.p - s.position).normalized();
+    const Seen seen{s, towards, sightings.sensor, looks_, 0};
+    if (!explained(k, seen, &taken)) add(k, seen, region);
   }
 }
 
-/// By a finding near by that was looked at from this side, or by an inspection that found nothing
-/// here.
-bool AreaFitter::explained(const robot::Knowledge& k, const Seen& seen) const {
-  const Vec3& p = seen.sighting.position;
-  // A false area close to a true one answers with the true one again and again.
+/// A false area close to a true one answers with the true one again and again.
+bool AreaFitter::asked_enough(const Vec3& p) const {
   const auto asked = std::count_if(fits_.begin(), fits_.end(), [&](const Fit& f) {
     return f.closed && (f.mean() - p).norm() < kSameFeature_m;
   });
-  if (asked > kReviews) return true;
-  return std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
-    const mission::Inspection& i = r.second.inspection;
-    if ((i.area_position - p).norm() > 2 * kSameArea_m) return false;
-    if (!i.found) return (i.area_position - p).norm() < kNothingHere_m;
-    const bool same_side =
-        (i.pose.p - i.area_position).normalized().dot(seen.towards) > kSameSideCos;
-    return same_side &&
-           std::any_of(i.findings.begin(), i.findings.end(), [&](const mission::Finding& f) {
-             return (f.position - p).norm() < kSameFeature_m;
-           });
-  });
+  return asked > kReviews;
 }
 
-void AreaFitter::review(robot::Knowledge& k) {
-  if (k.results().size() == results_) return;
+/// By a finding near by whose surface shows itself to the sighter (one that no other sighting of
+/// the same look was `taken` for), or by an inspection that found nothing here.
+bool AreaFitter::explained(const robot::Knowledge& k, const Seen& seen,
+                           std::set<FeatureId>* taken) const {
+  const Vec3& p = seen.sighting.position;
+  if (asked_enough(p)) return true;
+  const mission::Finding* nearest = nullptr;
+  double nearest_m = kSameFeature_m;
+  for (const auto& [ref, result] : k.results()) {
+    const mission::Inspection& i = result.inspection;
+    const double off_m = (i.area_position - p).norm();
+    if (off_m > 2 * kSameArea_m) continue;
+    if (!i.found && off_m < kSameFeature_m) return true;
+    for (const mission::Finding& f : i.findings) {
+      const double d = (f.position - p).norm();
+      if (d >= nearest_m || (taken && taken->contains(f.feature))) continue;
+      if (!shows(k, f.position, (i.pose.p - f.position).normalized(), seen.towards)) continue;
+      nearest = &f;
+      nearest_m = d;
+    }
+  }
+  if (nearest && taken) taken->insert(nearest->feature);
+  return nearest != nullptr;
+}
+
+/// Sightings of a fit with a result that the result, and all others, do not explain: each for
+/// itself, or all together when their middle lies off every finding.
+std::vector<AreaFitter::Seen> AreaFitter::unexplained(const robot::Knowledge& k,
+                                                      const Fit& fit) const {
+  const mission::Inspection& result = k.results().at(*fit.ref).inspection;
+  const double off_m =
+      std::max(kMiddleLeast_m, kMiddle_m / std::sqrt(static_cast<double>(fit.seen.size())));
+  const Vec3 mean = fit.mean();
+  const bool middle =
+      !result.found || asked_enough(mean) ||
+      std::any_of(result.findings.begin(), result.findings.end(),
+                  [&](const auto& f) { return (f.position - mean).norm() < off_m; });
+  std::vector<Seen> left;
+  for (const Seen& seen : fit.seen) {
+    if (seen.reviews >= kReviews || (middle && explained(k, seen))) continue;
+    left.push_back(seen);
+    ++left.back().reviews;
+  }
+  return left;
+}
+
+void AreaFitter::review(robot::Knowledge& k, bool explored) {
+  const bool over = explored && !explored_;
+  explored_ = explored;
+  if (k.results().size() == results_ && !over) return;
   results_ = k.results().size();
   std::vector<std::pair<Seen, RegionId>> again;
   for (Fit& fit : fits_) {
-    if (fit.closed || !k.inspected(fit.ref)) continue;
+    if (fit.closed || !fit.ref || !k.inspected(*fit.ref)) continue;
     fit.closed = true;
-    for (Seen seen : fit.seen) {
-      if (explained(k, seen) || ++seen.reviews > kReviews) continue;
-      again.push_back({seen, fit.area.region});
-    }
+    for (const Seen& seen : unexplained(k, fit)) again.push_back({seen, fit.area.region});
   }
   for (const auto& [seen, region] : again) add(k, seen, region);
+  settle_doubts(k, over);
 }
 
-AreaFitter::Fit* AreaFitter::open_fit(const Seen& seen) {
+/// What has been explained meanwhile is forgotten; what is left when the region is explored is
+/// asked for.
+void AreaFitter::settle_doubts(robot::Knowledge& k, bool over) {
+  std::vector<std::size_t> settled;
+  for (std::size_t i = 0; i < fits_.size(); ++i) {
+    if (fits_[i].ref) continue;
+    std::erase_if(fits_[i].seen, [&](const Seen& seen) { return explained(k, seen); });
+    if (fits_[i].seen.empty())
+      settled.push_back(i);
+    else if (over)
+      publish(k, fits_[i]);
+  }
+  for (auto i = settled.rbegin(); i != settled.rend(); ++i)
+    fits_.erase(fits_.begin() + static_cast<std::ptrdiff_t>(*i));
+}
+
+AreaFitter::Fit* AreaFitter::open_fit(const robot::Knowledge& k, const Seen& seen) {
   Fit* best = nullptr;
   double best_m = kSameArea_m;
   for (Fit& f : fits_) {
     const double d = (f.mean() - seen.sighting.position).norm();
-    if (f.closed || d >= best_m || f.towards.normalized().dot(seen.towards) < kSameSideCos)
-      continue;
+    if (f.closed || d >= best_m || f.seen_in(seen.look)) continue;
+    const Vec3 towards = f.towards();
+    const bool plain = towards.dot(seen.towards) > kPlainCos;
+    if (!plain && belief_at(k, f.mean(), towards, 0.1).shows(seen.towards) < kOtherSide) continue;
     best = &f;
     best_m = d;
   }
   return best;
 }
 
+/// It may be a stray sighting of something known: whatever that is, a second one will tell.
+bool AreaFitter::doubtful(const robot::Knowledge& k, const Seen& seen) const {
+  const auto near = [&](const Vec3& p) { return (p - seen.sighting.position).norm() < kNear_m; };
+  bool beside = false;
+  for (const Fit& f : fits_) {
+    if (!near(f.mean())) continue;
+    if (!f.closed && f.seen_in(seen.look)) return false;  // one look, two sightings: two features
+    beside = true;
+  }
+  return beside || std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
+    const mission::Inspection& i = r.second.inspection;
+    return near(i.area_position) || std::any_of(i.findings.begin(), i.findings.end(),
+                                                [&](const auto& f) { return near(f.position); });
+  });
+}
+
 void AreaFitter::add(robot::Knowledge& k, const Seen& seen, RegionId region) {
-  Fit* fit = open_fit(seen);
+  Fit* fit = open_fit(k, seen);
+  const bool sure = !fit && !doubtful(k, seen);
   if (!fit) {
     fit = &fits_.emplace_back();
-    fit->ref = {k.self(), k.store().new_key(store::RecordClass::kArea)};
     fit->area.region = region;
     fit->area.feature_type = seen.sighting.feature_type;
     fit->area.priority = seen.sighting.priority;
     fit->area.skill = seen.sighting.skill;
   }
   fit->seen.push_back(seen);
-  fit->sum += seen.sighting.position;
-  fit->towards += seen.towards;
+  const bool nearest = std::all_of(fit->seen.begin(), fit->seen.end(), [&](const Seen& s) {
+    return (s.sensor.p - s.sighting.position).norm() >=
+           (seen.sensor.p - seen.sighting.position).norm();
+  });
+  if (nearest) fit->area.sighted_from = seen.sensor;
+  if (!fit->ref) {
+    if (sure || fit->seen.size() >= kSure) publish(k, *fit);
+    return;
+  }
   const auto count = static_cast<std::uint32_t>(fit->seen.size());
-  fit->area.sightings = count;
-  fit->area.sigma_m = static_cast<float>(k.mission().sensing.sighting_sigma_m / std::sqrt(count));
-  fit->area.normal = fit->towards.normalized();
-  const bool nearer = count == 1 || (seen.sensor.p - seen.sighting.position).norm() <
-                                        (fit->area.sighted_from.p - fit->mean()).norm();
-  if (nearer) fit->area.sighted_from = seen.sensor;
   const bool better =
       (fit->mean() - fit->published).norm() > kMoved_m || count >= 3 * fit->published_count;
-  if (count == 1 || (better && !k.inspected(fit->ref))) publish(k, *fit);
+  if (better && !k.inspected(*fit->ref)) publish(k, *fit);
 }
 
 void AreaFitter::publish(robot::Knowledge& k, Fit& fit) {
+  if (!fit.ref) fit.ref = {k.self(), k.store().new_key(store::RecordClass::kArea)};
+  const auto count = static_cast<std::uint32_t>(fit.seen.size());
+  fit.area.sightings = count;
+  fit.area.sigma_m = static_cast<float>(k.mission().sensing.sighting_sigma_m / std::sqrt(count));
+  fit.area.normal = fit.towards();
   fit.area.position = fit.mean();
   fit.published = fit.area.position;
-  fit.published_count = static_cast<std::uint32_t>(fit.seen.size());
-  k.publish(store::RecordClass::kArea, fit.ref.key, fit.area);
+  fit.published_count = count;
+  k.publish(store::RecordClass::kArea, fit.ref->key, fit.area);
 }
 
 }  // namespace muster::agent

@@ -19,6 +19,7 @@ constexpr double kDetour = 1.4;
 constexpr double kTellEvery_s = 5;
 constexpr double kTalkDistance_m = 3.5;  // well inside the radio's range
 constexpr double kCollect_s = 30, kSoonest_s = 50;
+constexpr double kExploringApart_s = 150;  // between meetings with the station
 constexpr double kCornerInset_m = 0.6;
 constexpr double kMeetingHeight_m = 1.2;
 
@@ -67,7 +68,7 @@ bool Slei3dExplorer::region_done(const robot::Knowledge& k) const {
 robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress& progress) {
   follow(k, orders(k));
   const RegionId region = exploration_ ? exploration_->region() : kNoRegion;
-  fitter_.review(k);
+  fitter_.review(k, exploration_ && exploration_->done());
   subgroup_.update(k, region);
   if (exploration_ || released_)
     subgroup_.allocate(k, k.declared_complete() ? kNoRegion : region,
@@ -148,7 +149,6 @@ std::optional<robot::Intent> Slei3dExplorer::meet_station(robot::Knowledge& k,
   intent.goal.p.z() = std::max(intent.goal.p.z(), k.mission().hull.low().z() + kMeetingHeight_m);
   intent.through_unknown = true;
   intent.tolerance_m = 1.0;
-  intent.with = station_;
   intent.activity = mission::Activity::kMeeting;
   intent.reason = "to the meeting with the station at " +
                   std::to_string(static_cast<int>(rung.from.s())) + " s";
@@ -209,6 +209,9 @@ std::vector<mission::Rung> Slei3dExplorer::next_ladder(robot::Knowledge& k) {
   if (exploration_->done()) {
     // Nothing is left to predict by volume: the inspectors' work that is left, and its collection.
     in_s = std::clamp(subgroup_.remaining_s(k) + kCollect_s, kSoonest_s, in_s);
+  } else if (in.elapsed_s > route::kFirstSlice_s) {
+    // Nearly done may go on for long, and every meeting costs a way there and back.
+    in_s = std::max(in_s, kExploringApart_s);
   }
   const Vec3 place = meeting_corner(k, in_s);
   const SimTime from = k.now() + Duration::from_s(in_s);

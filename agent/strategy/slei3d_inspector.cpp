@@ -13,6 +13,9 @@ namespace {
 constexpr double kBlockedPose_s = 4;
 constexpr int kMaxAttempts = 20;  // looks in vain before an area is reported as not to be seen
 constexpr double kRetryUnexplored_s = 60;
+// Of a refusal: a body in the way, or a surface that lies otherwise than it seems.
+constexpr double kMisled = 0.2;
+constexpr double kRuledOut = 0.03;  // chance of a feature left: less is none
 constexpr int kLooksInARow = 3;
 constexpr double kRetryArea_s = 12;  // the map grows meanwhile
 constexpr double kMoved_m = 0.4, kStuck_s = 10;
@@ -133,7 +136,7 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
   intent.goal = view_.pose;
   intent.use_yaw = true;
   intent.area = *current_;
-  intent.area_position = area.position;
+  intent.area_position = spot_to_ask(k, area);
   if (progress.state == robot::Progress::State::kArrived)
     intent.activity = mission::Activity::kInspecting;
   intent.reason =
@@ -144,7 +147,7 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
 bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& ref) {
   const robot::Stopwatch watch(planning_, mission::PlanningStep::kPath);
   k.paths().flood(k.position());
-  const auto view = view_pose(k, k.areas().at(ref).area, refused_[ref], attempts_[ref]);
+  const auto view = view_pose(k, k.areas().at(ref).area, in_vain_[ref], attempts_[ref]);
   if (view) {
     view_ = *view;
     current_ = ref;
@@ -166,11 +169,17 @@ bool Slei3dInspector::explored(const robot::Knowledge& k, const mission::AreaRef
 }
 
 /// Refused: look from elsewhere, at once while there is a fair chance. Not to be reached or out of
-/// sight: the others first.
+/// sight: the others first. A refusal beside a known feature may be about that one; when looks that
+/// would have shown another were refused so, there is none.
 void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
   const mission::AreaRef ref = *current_;
   current_.reset();
-  refused_[ref].push_back(view_.look);
+  in_vain_[ref].push_back({view_.look, refused});
+  if (refused && known_near(k, spot_to_ask(k, k.areas().at(ref).area))) {
+    double& open = open_.try_emplace(ref, 1.0).first->second;
+    open *= 1 - (1 - kMisled) * view_.probability;
+    if (open < kRuledOut) return report_nothing(k, ref);
+  }
   if (++attempts_[ref] % kLooksInARow == 0 || !refused) postpone(k, ref);
 }
 
@@ -185,6 +194,11 @@ void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref)
     not_before_[ref] = k.now() + Duration::from_s(kRetryUnexplored_s);
     return;
   }
+  report_nothing(k, ref);
+}
+
+void Slei3dInspector::report_nothing(robot::Knowledge& k, const mission::AreaRef& ref) {
+  log::info("area {}.{} is closed without an answer", ref.author.value, ref.key);
   mission::Inspection result;
   result.area = ref;
   result.area_position = k.areas().at(ref).area.position;
@@ -248,10 +262,10 @@ robot::Intent Slei3dInspector::wait(robot::Knowledge& k, const Orders& o) {
 Vec3 Slei3dInspector::route_end(robot::Knowledge& k, const Orders& o) const {
   const mission::AreaRef ref = o.areas.back();
   const mission::Area& area = k.areas().at(ref).area;
-  const auto refused = refused_.find(ref);
+  const auto in_vain = in_vain_.find(ref);
   k.paths().flood(k.position());
-  const std::vector<RefusedLook> none;
-  if (const auto view = view_pose(k, area, refused == refused_.end() ? none : refused->second, 0))
+  const std::vector<VainLook> none;
+  if (const auto view = view_pose(k, area, in_vain == in_vain_.end() ? none : in_vain->second, 0))
     return view->pose.p;
   for (const double m : {1.5, 2.0, 2.5, 1.0, 3.0, 4.0}) {
     Vec3 p = area.position + m * (area.sighted_from.p - area.position).normalized();

@@ -39,6 +39,7 @@ class Slei3dInspector : public robot::Strategy {
   void give_up_pose(robot::Knowledge& k, bool refused);
   void postpone(robot::Knowledge& k, const mission::AreaRef& ref);
   static bool explored(const robot::Knowledge& k, const mission::AreaRef& ref);
+  void report_nothing(robot::Knowledge& k, const mission::AreaRef& ref);
   void report(robot::Knowledge& k, const mission::Inspected& inspected);
   void publish_route(robot::Knowledge& k, const Orders& orders);
   Vec3 route_end(robot::Knowledge& k, const Orders& orders) const;
@@ -47,7 +48,8 @@ class Slei3dInspector : public robot::Strategy {
   std::optional<mission::AreaRef> current_;
   ViewPose view_;                             // of the current area
   std::map<mission::AreaRef, int> attempts_;  // in vain
-  std::map<mission::AreaRef, std::vector<RefusedLook>> refused_;
+  std::map<mission::AreaRef, std::vector<VainLook>> in_vain_;
+  std::map<mission::AreaRef, double> open_;  // chance that refusals so far missed a feature there
   std::map<mission::AreaRef, SimTime> not_before_;
   Vec3 moved_to_ = Vec3::Zero();  // on the way to the current pose
   SimTime moved_at_;

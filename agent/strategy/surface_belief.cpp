@@ -18,6 +18,7 @@ constexpr double kUsualRange_m = 2.5;
 constexpr double kNegligible = 0.002;  // against the likeliest direction
 constexpr double kBelieved = 0.9;      // of a refusal: bodies in the way refuse looks as well
 constexpr double kLeastSigma_m = 0.05;
+constexpr double kImpossible = 1e-4;  // of what contradicts an answer: the map may be wrong
 
 /// A Fibonacci lattice: evenly spread, the same on every robot.
 const std::vector<Vec3>& directions() {
@@ -121,6 +122,18 @@ void SurfaceBelief::refuse(const RefusedLook& look) {
   for (int i = 0; i < kDirections; ++i)
     weights_[i] *= 1 - kBelieved * seen * square_enough(directions()[i], look.from);
   normalise();
+}
+
+void SurfaceBelief::accept(const Vec3& from) {
+  for (int i = 0; i < kDirections; ++i)
+    weights_[i] *= std::max(kImpossible, square_enough(directions()[i], from));
+  normalise();
+}
+
+double SurfaceBelief::shows(const Vec3& from) const {
+  double p = 0;
+  for (int i = 0; i < kDirections; ++i) p += weights_[i] * step(directions()[i].dot(from), 0.04);
+  return p;
 }
 
 double SurfaceBelief::faces(const Vec3& from) const {

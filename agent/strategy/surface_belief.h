@@ -23,7 +23,13 @@ class SurfaceBelief {
                 const mission::InspectConfig& rule, const mission::Vehicle& vehicle);
 
   void refuse(const RefusedLook& look);
+  /// A look along unit `from` (area → camera) found a feature here: its surface meets the rule from
+  /// there.
+  void accept(const Vec3& from);
 
+  /// Probability that the surface shows its front towards unit `from`, at whatever incidence: that
+  /// a detector there can sight it.
+  double shows(const Vec3& from) const;
   /// Probability that a look along unit `from` (area → camera) meets the surface within the rule's
   /// incidence.
   double faces(const Vec3& from) const;

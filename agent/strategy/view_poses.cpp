@@ -16,6 +16,7 @@ constexpr double kSameLookFactor = 0.5;
 constexpr double kRanges_m[] = {1.2, 1.6, 2.1, 2.7, 3.4, 4.1, 4.6};
 constexpr double kElevations_rad[] = {0.0, 0.2, -0.2, 0.34, -0.34, 0.43, -0.43, 0.48, -0.48};
 constexpr int kAzimuths = 24;
+constexpr double kBeside_m = 0.01;
 constexpr std::size_t kLinesOfSight = 400;  // asked for at most
 
 double angle(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(a.dot(b), -1.0, 1.0)); }
@@ -29,9 +30,11 @@ bool sees(const robot::Knowledge& k, const Vec3& area, const Vec3& n, const Vec3
 }  // namespace
 
 std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area,
-                                  const std::vector<RefusedLook>& refused, int attempts) {
+                                  const std::vector<VainLook>& in_vain, int attempts) {
   SurfaceBelief belief(k.map(), area, k.mission().inspect, k.config().vehicle);
-  for (const RefusedLook& look : refused) belief.refuse(look);
+  for (const VainLook& v : in_vain) {
+    if (v.refused) belief.refuse(v.look);
+  }
   const Vec3 n = belief.normal();
   const double least = kLeastChance[std::clamp(attempts / 2, 0, 2)];
 
@@ -42,8 +45,8 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
   std::vector<Candidate> found;
   const auto consider = [&](const Vec3& from, std::span<const double> ranges_m, bool seen) {
     double faces = belief.faces(from);
-    for (const RefusedLook& r : refused)
-      faces *= angle(from, r.from) < kSameLook_rad ? kSameLookFactor : 1.0;
+    for (const VainLook& v : in_vain)
+      faces *= angle(from, v.look.from) < kSameLook_rad ? kSameLookFactor : 1.0;
     if (faces < least) return;
     for (const double range_m : ranges_m) {
       const double chance = faces * belief.in_view(from, range_m);
@@ -74,6 +77,32 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
     if (c.view.seen || sees(k, area.position, n, c.view.pose.p)) return c.view;
   }
   return std::nullopt;
+}
+
+bool known_near(const robot::Knowledge& k, const Vec3& spot) {
+  const double within_m = k.mission().inspect.match_m + kBeside_m;
+  return std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
+    const auto& findings = r.second.inspection.findings;
+    return std::any_of(findings.begin(), findings.end(), [&](const mission::Finding& f) {
+      return (f.position - spot).norm() < within_m;
+    });
+  });
+}
+
+Vec3 spot_to_ask(const robot::Knowledge& k, const mission::Area& area) {
+  if (!known_near(k, area.position)) return area.position;
+  for (const double aside_m : {0.08, 0.16, 0.24}) {
+    for (int z = -1; z <= 1; ++z) {
+      for (int y = -1; y <= 1; ++y) {
+        for (int x = -1; x <= 1; ++x) {
+          if (x == 0 && y == 0 && z == 0) continue;
+          const Vec3 spot = area.position + aside_m * Vec3(x, y, z).normalized();
+          if (!known_near(k, spot)) return spot;
+        }
+      }
+    }
+  }
+  return area.position;
 }
 
 bool in_sight(const robot::Knowledge& k, const mission::Area& area, const Pose& pose) {

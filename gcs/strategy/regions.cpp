@@ -57,35 +57,52 @@ bool Regions::results_complete(const robot::Knowledge& k, RegionId region) {
 
 bool Regions::report(robot::Knowledge& k, RobotId explorer) {
   Group& group = groups_.at(explorer);
-  bool changed = std::exchange(group.lost, false);
+  if (group.lost) {
+    back(k, group);
+    return true;
+  }
   const auto* health = k.health(explorer);
-  if (!health || health->body.regions.empty() || group.released) return changed;
+  if (!health || health->body.regions.empty() || group.released) return false;
   const mission::RegionProgress& p = health->body.regions.front();
-  if (p.region != group.region) return changed;
+  if (p.region != group.region) return false;
   if (p.state == mission::RegionState::kExplored)
     states_[p.region.value] = mission::RegionState::kExplored;
   if (p.state != mission::RegionState::kDone || !k.exchanged(explorer) ||
       !results_complete(k, p.region))
-    return changed;
+    return false;
 
   states_[p.region.value] = mission::RegionState::kDone;
+  give(group, k.mission().boxes[p.region.value].center, k);
+  publish(k);
+  return true;
+}
+
+/// The nearest pending region, and whoever has lost its explorer; none left: released.
+void Regions::give(Group& group, const Vec3& from, const robot::Knowledge& k) {
   group.inspectors.insert(group.inspectors.end(), orphans_.begin(), orphans_.end());
   orphans_.clear();
-  if (const auto next = nearest_pending(k, k.mission().boxes[p.region.value].center)) {
+  if (const auto next = nearest_pending(k, from)) {
     group.region = *next;
     states_[next->value] = mission::RegionState::kAssigned;
   } else {
     group.region = kNoRegion;
     group.released = true;
   }
+}
+
+/// It was lost and is here: on with what it had, unless somebody else works on that by now.
+void Regions::back(robot::Knowledge& k, Group& group) {
+  group.lost = false;
+  const RegionId held = std::exchange(group.held, kNoRegion);
+  give(group, held == kNoRegion ? k.position() : k.mission().boxes[held.value].center, k);
   publish(k);
-  return true;
 }
 
 void Regions::lost(robot::Knowledge& k, RobotId explorer) {
   Group& group = groups_.at(explorer);
   if (group.lost) return;
   group.lost = true;
+  group.held = group.region;
   if (group.region != kNoRegion && states_[group.region.value] != mission::RegionState::kDone) {
     states_[group.region.value] = mission::RegionState::kPending;
   }

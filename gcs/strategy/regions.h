@@ -22,6 +22,7 @@ class Regions {
     std::vector<RobotId> inspectors;
     bool released = false;
     bool lost = false;
+    RegionId held = kNoRegion;  ///< while lost: what it was working on
   };
 
   /// At the start: everybody gets something. Publishes the assignment record.
@@ -30,7 +31,7 @@ class Regions {
   /// when the assignment changed.
   bool report(robot::Knowledge& k, RobotId explorer);
   /// `explorer` was not seen at its standing rung: its box is pending again, its inspectors go to
-  /// whoever comes next (S0.16).
+  /// whoever comes next (S0.16); to itself, should it come after all.
   void lost(robot::Knowledge& k, RobotId explorer);
 
   const std::map<RobotId, Group>& groups() const { return groups_; }
@@ -40,6 +41,8 @@ class Regions {
   mission::RegionState state(RegionId region) const { return states_[region.value]; }
 
  private:
+  void give(Group& group, const Vec3& from, const robot::Knowledge& k);
+  void back(robot::Knowledge& k, Group& group);
   std::optional<RegionId> nearest_pending(const robot::Knowledge& k, const Vec3& from) const;
   void publish(robot::Knowledge& k) const;
 

@@ -49,8 +49,8 @@ robot::Intent Slei3dStation::decide(robot::Knowledge& k, const robot::Progress&)
     return intent;
   }
   const mission::Rung rung = agreements_.at(*partner_).next(k);
-  intent.with = *partner_;
   if (k.in_contact(*partner_)) {
+    intent.with = *partner_;
     intent.kind = robot::Intent::Kind::kHover;
     intent.activity = mission::Activity::kMeeting;
     intent.reason = "meeting explorer " + std::to_string(partner_->value);

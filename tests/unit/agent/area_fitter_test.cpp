@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/unit/robot/fixtures.h"
+#include "tests/unit/agent/place.h"
 
 using namespace muster;
 using agent::AreaFitter;
@@ -38,33 +38,105 @@ TEST_CASE("sightings near each other from one side are one area, from two sides 
   const mission::Mission m = robot::small_mission();
   Knowledge k(m, RobotId{1}, 1);
   AreaFitter fitter;
-  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}, {5.2, 0, 2}}), kRegion);
+  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
+  fitter.take(k, look({5, -3, 2}, {{5.2, 0, 2}}), kRegion);
   fitter.take(k, look({6, -3, 2}, {{5.1, 0.1, 2}}), kRegion);
   REQUIRE(k.areas().size() == 1);
   CHECK(k.areas().begin()->second.area.normal.y() < -0.9);
-  fitter.take(k, look({5, 3, 2}, {{5.1, 0.1, 2}}), kRegion);
+  for (int i = 0; i < 2; ++i) fitter.take(k, look({5, 3, 2}, {{5.1, 0.1, 2}}), kRegion);
   CHECK(k.areas().size() == 2);
 }
 
-TEST_CASE("a sighting that no finding explains begins an area of its own, a few times at most") {
+TEST_CASE("what no finding explains is asked for when seen again, a few times at most") {
   const mission::Mission m = robot::small_mission();
   Knowledge k(m, RobotId{1}, 1);
   AreaFitter fitter;
-  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}, {5.45, 0, 2}}), kRegion);
+  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
+  fitter.take(k, look({5, -3, 2}, {{5.45, 0, 2}}), kRegion);
   REQUIRE(k.areas().size() == 1);
   const mission::AreaRef first = k.areas().begin()->first;
   inspect(k, first, {5, -2, 2}, {{5, 0, 2}});
-  fitter.review(k);
+  fitter.review(k, false);
+  CHECK(k.areas().size() == 1);  // one sighting may be a stray one
+  fitter.take(k, look({5, -3, 2}, {{5.5, 0, 2}}), kRegion);
   REQUIRE(k.areas().size() == 2);
   const mission::AreaRef second = k.areas().rbegin()->first;
-  CHECK((k.areas().at(second).area.position - Vec3(5.45, 0, 2)).norm() < 0.01);
+  CHECK((k.areas().at(second).area.position - Vec3(5.475, 0, 2)).norm() < 0.01);
   // The answer names the first again: asked once more, then never.
   for (int i = 0; i < 6; ++i) {
     inspect(k, k.areas().rbegin()->first, {5, -2, 2}, {{5, 0, 2}});
-    fitter.review(k);
+    fitter.review(k, false);
+    fitter.take(k, look({5, -3, 2}, {{5.45, 0, 2}}), kRegion);
     fitter.take(k, look({5, -3, 2}, {{5.45, 0, 2}}), kRegion);
   }
   CHECK(k.areas().size() <= 4);
+}
+
+TEST_CASE("what was seen but once beside something known is asked for when the region is explored") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  AreaFitter fitter;
+  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
+  inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5, 0, 2}});
+  fitter.review(k, false);
+  fitter.take(k, look({5, -3, 2}, {{5.5, 0, 2}}), kRegion);
+  CHECK(k.areas().size() == 1);
+  fitter.review(k, true);
+  CHECK(k.areas().size() == 2);
+}
+
+TEST_CASE("two sightings near each other in one look are two features") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  AreaFitter fitter;
+  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}, {5.3, 0, 2}}), kRegion);
+  REQUIRE(k.areas().size() == 2);
+  inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5, 0, 2}});
+  inspect(k, k.areas().rbegin()->first, {5, -2, 2}, {{5, 0, 2}});
+  fitter.review(k, false);
+  // One feature is known and two are seen again and again: one of them is not.
+  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}, {5.3, 0, 2}}), kRegion);
+  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}, {5.3, 0, 2}}), kRegion);
+  CHECK(k.areas().size() == 3);
+}
+
+TEST_CASE("an answer about a feature off the middle of the sightings leaves them unexplained") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  AreaFitter fitter;
+  for (int i = 0; i < 5; ++i) fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
+  inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5.35, 0, 2}});
+  fitter.review(k, false);
+  REQUIRE(k.areas().size() == 2);
+  CHECK((k.areas().rbegin()->second.area.position - Vec3(5, 0, 2)).norm() < 0.01);
+}
+
+TEST_CASE("a finding explains what was sighted at a grazing angle from the far end of its wall") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  agent::reveal(k, {1, -5, 0.5}, {9, 5, 5}, [](const Vec3& p) { return p.y() > 0 && p.y() < 0.4; });
+  AreaFitter fitter;
+  fitter.take(k, look({2, -0.8, 2}, {{5, 0, 2}}), kRegion);
+  fitter.take(k, look({8, -0.8, 2}, {{5, 0, 2}}), kRegion);
+  REQUIRE(k.areas().size() == 1);
+  inspect(k, k.areas().begin()->first, {3.5, -1, 2}, {{5, 0, 2}});
+  fitter.review(k, false);
+  for (int i = 0; i < 3; ++i) fitter.take(k, look({8, -0.8, 2}, {{5.05, 0, 2}}), kRegion);
+  fitter.review(k, true);
+  CHECK(k.areas().size() == 1);
+}
+
+TEST_CASE("a finding on one side of a thin wall explains nothing on the other") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  agent::reveal(k, {1, -5, 0.5}, {9, 5, 5}, [](const Vec3& p) { return p.y() > 0 && p.y() < 0.2; });
+  AreaFitter fitter;
+  fitter.take(k, look({4, -3, 2.5}, {{5, 0, 2}}), kRegion);
+  inspect(k, k.areas().begin()->first, {4, -2, 2.2}, {{5, 0, 2}});
+  fitter.review(k, false);
+  for (int i = 0; i < 2; ++i) fitter.take(k, look({6, 3, 1.6}, {{5.1, 0.2, 2.0}}), kRegion);
+  REQUIRE(k.areas().size() == 2);
+  CHECK(k.areas().rbegin()->second.area.normal.y() > 0.5);
 }
 
 TEST_CASE("what was inspected and explained is not fitted again") {
@@ -79,7 +151,7 @@ TEST_CASE("what was inspected and explained is not fitted again") {
     else
       inspect(k, ref, {8, -2, 2}, {});  // a false area
   }
-  fitter.review(k);
+  fitter.review(k, false);
   fitter.take(k, look({5, -3, 2}, {{5.1, 0, 2}, {8.2, 0, 2}}), kRegion);
   CHECK(k.areas().size() == 2);
 }
