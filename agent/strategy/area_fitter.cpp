@@ -10,9 +10,11 @@ namespace {
 
 constexpr double kSameArea_m = 0.5;     // RULES "Sighting and inspecting"
 constexpr double kSameFeature_m = 0.4;  // four sigma of a sighting
-constexpr double kNear_m = 0.75;        // where a sighting may be a stray one of something known
+constexpr double kNear_m = 0.75;   // where a sighting may be a stray one of something known
+constexpr double kDoubt_s = 40;    // for so long other looks may confirm or explain a sighting
 // How far the middle of n sightings may lie from the feature: 4.5 sigma, and never less than…
 constexpr double kMiddle_m = 0.45, kMiddleLeast_m = 0.2;
+constexpr double kDoubtsEvery_s = 10;
 constexpr double kBoxMargin_m = 0.4;
 constexpr double kMoved_m = 0.08;
 constexpr double kPlainCos = 0.5;    // directions this close can be of one surface, whatever it is
@@ -44,6 +46,17 @@ bool shows(const robot::Knowledge& k, const Vec3& p, const Vec3& found, const Ve
   SurfaceBelief belief = belief_at(k, p, found, 0);
   belief.accept(found);
   return belief.shows(seen) > kOtherSide;
+}
+
+/// Near a finding, or where nothing was found.
+bool beside_known(const robot::Knowledge& k, const Vec3& p) {
+  const auto near = [&](const Vec3& q) { return (p - q).norm() < kNear_m; };
+  return std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
+    const mission::Inspection& i = r.second.inspection;
+    if (i.findings.empty()) return near(i.area_position);
+    return std::any_of(i.findings.begin(), i.findings.end(),
+                       [&](const auto& f) { return near(f.position); });
+  });
 }
 
 }  // namespace
@@ -138,8 +151,10 @@ std::vector<AreaFitter::Seen> AreaFitter::unexplained(const robot::Knowledge& k,
 void AreaFitter::review(robot::Knowledge& k, bool explored) {
   const bool over = explored && !explored_;
   explored_ = explored;
-  if (k.results().size() == results_ && !over) return;
+  const bool doubts_due = k.now() >= doubts_again_;
+  if (k.results().size() == results_ && !over && !doubts_due) return;
   results_ = k.results().size();
+  doubts_again_ = k.now() + Duration::from_s(kDoubtsEvery_s);
   std::vector<std::pair<Seen, RegionId>> again;
   for (Fit& fit : fits_) {
     if (fit.closed || !fit.ref || !k.inspected(*fit.ref)) continue;
@@ -150,8 +165,8 @@ void AreaFitter::review(robot::Knowledge& k, bool explored) {
   settle_doubts(k, over);
 }
 
-/// What has been explained meanwhile is forgotten; what is left when the region is explored is
-/// asked for.
+/// What has been explained meanwhile is forgotten. What is not after a while is asked for: surfaces
+/// that are hard to see are sighted once, and a look settles it.
 void AreaFitter::settle_doubts(robot::Knowledge& k, bool over) {
   std::vector<std::size_t> settled;
   for (std::size_t i = 0; i < fits_.size(); ++i) {
@@ -159,7 +174,7 @@ void AreaFitter::settle_doubts(robot::Knowledge& k, bool over) {
     std::erase_if(fits_[i].seen, [&](const Seen& seen) { return explained(k, seen); });
     if (fits_[i].seen.empty())
       settled.push_back(i);
-    else if (over)
+    else if (over || (k.now() - fits_[i].since).s() > kDoubt_s)
       publish(k, fits_[i]);
   }
   for (auto i = settled.rbegin(); i != settled.rend(); ++i)
@@ -190,11 +205,7 @@ bool AreaFitter::doubtful(const robot::Knowledge& k, const Seen& seen) const {
     if (!f.closed && f.seen_in(seen.look)) return false;  // one look, two sightings: two features
     beside = true;
   }
-  return beside || std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
-    const mission::Inspection& i = r.second.inspection;
-    return near(i.area_position) || std::any_of(i.findings.begin(), i.findings.end(),
-                                                [&](const auto& f) { return near(f.position); });
-  });
+  return beside || beside_known(k, seen.sighting.position);
 }
 
 void AreaFitter::add(robot::Knowledge& k, const Seen& seen, RegionId region) {
@@ -202,6 +213,7 @@ void AreaFitter::add(robot::Knowledge& k, const Seen& seen, RegionId region) {
   const bool sure = !fit && !doubtful(k, seen);
   if (!fit) {
     fit = &fits_.emplace_back();
+    fit->since = k.now();
     fit->area.region = region;
     fit->area.feature_type = seen.sighting.feature_type;
     fit->area.priority = seen.sighting.priority;

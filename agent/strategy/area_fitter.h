@@ -21,7 +21,7 @@ namespace muster::agent {
 ///               ├─ nothing was found right there                     ─▶ explained: a false area
 ///               ├─ no area, finding or answer anywhere near          ─▶ an area at once
 ///               └─ near one, but not of it                           ─▶ an area when sighted
-///                                                again, or when all of the region is explored
+///                                                again, or when nothing explains it for a while
 ///
 /// One look sights a feature once. So two sightings near each other in one look are two features.
 ///
@@ -49,6 +49,7 @@ class AreaFitter {
   struct Fit {
     std::optional<mission::AreaRef> ref;  ///< none: not an area yet
     std::vector<Seen> seen;
+    SimTime since;
     mission::Area area;
     Vec3 published = Vec3::Zero();
     std::uint32_t published_count = 0;
@@ -70,6 +71,7 @@ class AreaFitter {
 
   std::vector<Fit> fits_;
   std::size_t results_ = 0;  // at the last review
+  SimTime doubts_again_;
   std::uint64_t looks_ = 0;
   bool explored_ = false;
 };

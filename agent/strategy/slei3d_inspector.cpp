@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kBlockedPose_s = 4;
 constexpr int kMaxAttempts = 20;  // looks in vain before an area is reported as not to be seen
+constexpr int kLeastAttempts = 5;
 constexpr double kRetryUnexplored_s = 60;
 // Of a refusal: a body in the way, or a surface that lies otherwise than it seems.
 constexpr double kMisled = 0.2;
@@ -156,7 +157,11 @@ bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& r
     return true;
   }
   ++attempts_[ref];
-  postpone(k, ref);
+  // What refusals beside a known feature left open, no pose can settle.
+  if (open_.contains(ref) && attempts_[ref] >= kLeastAttempts && explored(k, ref))
+    report_nothing(k, ref);
+  else
+    postpone(k, ref);
   return false;
 }
 

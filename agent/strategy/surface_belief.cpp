@@ -15,7 +15,9 @@ constexpr double kSharpness = 14;   // of the map's say
 constexpr int kFewVoxels = 5;       // below this the map says nothing
 constexpr double kSoft_rad = 0.05;  // of the incidence limit
 constexpr double kUsualRange_m = 2.5;
-constexpr double kNegligible = 0.002;  // against the likeliest direction
+constexpr double kMapLies = 0.1;       // at edges and corners voxels say little: when what they say
+                                       // has been refused, everything else is still to be believed
+constexpr double kNegligible = 1e-5;   // against the likeliest direction
 constexpr double kBelieved = 0.9;      // of a refusal: bodies in the way refuse looks as well
 constexpr double kLeastSigma_m = 0.05;
 constexpr double kImpossible = 1e-4;  // of what contradicts an answer: the map may be wrong
@@ -92,7 +94,12 @@ SurfaceBelief::SurfaceBelief(const map::VoxelMap& map, const mission::Area& area
     best = std::max(best, slabs[i]);
   }
   if (mapped) {
+    normalise();
+    const std::vector<double> by_sight = weights_;
     for (int i = 0; i < kDirections; ++i) weights_[i] *= std::exp(kSharpness * (slabs[i] - best));
+    normalise();
+    for (int i = 0; i < kDirections; ++i)
+      weights_[i] = kMapLies * by_sight[i] + (1 - kMapLies) * weights_[i];
   }
   normalise();
 }

@@ -17,14 +17,15 @@ constexpr double kRanges_m[] = {1.2, 1.6, 2.1, 2.7, 3.4, 4.1, 4.6};
 constexpr double kElevations_rad[] = {0.0, 0.2, -0.2, 0.34, -0.34, 0.43, -0.43, 0.48, -0.48};
 constexpr int kAzimuths = 24;
 constexpr double kBeside_m = 0.01;
-constexpr std::size_t kLinesOfSight = 400;  // asked for at most
+constexpr std::size_t kLinesOfSight = 400;  // asked for at most, until looks have been in vain
 
 double angle(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(a.dot(b), -1.0, 1.0)); }
 
 /// Up to just before the surface, on the side the camera is on.
 bool sees(const robot::Knowledge& k, const Vec3& area, const Vec3& n, const Vec3& p) {
   const Vec3 from = (p - area).normalized();
-  return k.map().line_of_sight(p, area + kGap_m * (n.dot(from) > 0 ? n : from), false);
+  return k.map().line_of_sight(p, area + kGap_m * from, false) ||
+         (n.dot(from) > 0 && k.map().line_of_sight(p, area + kGap_m * n, false));
 }
 
 }  // namespace
@@ -72,7 +73,7 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
   if (sighted_m > 0.5) consider(sighted / sighted_m, on_the_ray_m, true);
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.cost_s < b.cost_s; });
-  found.resize(std::min(found.size(), kLinesOfSight));
+  if (in_vain.empty()) found.resize(std::min(found.size(), kLinesOfSight));
   for (const Candidate& c : found) {
     if (c.view.seen || sees(k, area.position, n, c.view.pose.p)) return c.view;
   }

@@ -72,17 +72,22 @@ TEST_CASE("what no finding explains is asked for when seen again, a few times at
   CHECK(k.areas().size() <= 4);
 }
 
-TEST_CASE("what was seen but once beside something known is asked for when the region is explored") {
+TEST_CASE("what was seen but once beside something known is asked for after a while") {
   const mission::Mission m = robot::small_mission();
-  Knowledge k(m, RobotId{1}, 1);
-  AreaFitter fitter;
-  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
-  inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5, 0, 2}});
-  fitter.review(k, false);
-  fitter.take(k, look({5, -3, 2}, {{5.5, 0, 2}}), kRegion);
-  CHECK(k.areas().size() == 1);
-  fitter.review(k, true);
-  CHECK(k.areas().size() == 2);
+  for (const bool explored : {false, true}) {
+    Knowledge k(m, RobotId{1}, 1);
+    AreaFitter fitter;
+    fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
+    inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5, 0, 2}});
+    fitter.review(k, false);
+    fitter.take(k, look({5, -3, 2}, {{5.45, 0, 2}}), kRegion);
+    k.begin(SimTime::from_s(20));
+    fitter.review(k, false);
+    CHECK(k.areas().size() == 1);
+    if (!explored) k.begin(SimTime::from_s(60));
+    fitter.review(k, explored);
+    CHECK(k.areas().size() == 2);
+  }
 }
 
 TEST_CASE("two sightings near each other in one look are two features") {

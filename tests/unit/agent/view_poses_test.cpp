@@ -65,6 +65,16 @@ TEST_CASE("after a refusal the surface is believed to face elsewhere") {
   CHECK(belief.faces(north) > north_before);
 }
 
+TEST_CASE("what the map says of a surface is given up when looks that believed it are refused") {
+  Place p(wall);
+  const mission::Area a = area_at({4.0, 0, 2}, {2.0, 0, 3.0});
+  SurfaceBelief belief(p.inspector.map(), a, p.mission.inspect, p.inspector.config().vehicle);
+  const Vec3 up = Vec3(-0.2, 0, 1).normalized();
+  CHECK(belief.faces(up) < 0.1);
+  for (const double y : {0.0, 0.9, -0.9}) belief.refuse({Vec3(-1, y, 0).normalized(), 2});
+  CHECK(belief.faces(up) > 0.5);
+}
+
 TEST_CASE("what cannot be seen from anywhere has no pose, and a wall in between hides an area") {
   Place p([](const Vec3& q) { return wall(q) || (q.x() > 3.0 && q.x() < 3.4); });
   CHECK_FALSE(view_pose(p.inspector, area_at({4.0, 0, 2}, {3.7, 0, 2}), {}, 0));
