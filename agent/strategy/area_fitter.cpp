@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kSameArea_m = 0.5;     // RULES "Sighting and inspecting"
 constexpr double kSameFeature_m = 0.4;  // four sigma of a sighting
-constexpr double kNear_m = 0.75;   // where a sighting may be a stray one of something known
-constexpr double kDoubt_s = 40;    // for so long other looks may confirm or explain a sighting
+constexpr double kNear_m = 0.75;        // where a sighting may be a stray one of something known
+constexpr double kDoubt_s = 40;         // for so long other looks may confirm or explain a sighting
 // How far the middle of n sightings may lie from the feature: 4.5 sigma, and never less than…
 constexpr double kMiddle_m = 0.45, kMiddleLeast_m = 0.2;
 constexpr double kDoubtsEvery_s = 10;
@@ -220,11 +220,6 @@ void AreaFitter::add(robot::Knowledge& k, const Seen& seen, RegionId region) {
     fit->area.skill = seen.sighting.skill;
   }
   fit->seen.push_back(seen);
-  const bool nearest = std::all_of(fit->seen.begin(), fit->seen.end(), [&](const Seen& s) {
-    return (s.sensor.p - s.sighting.position).norm() >=
-           (seen.sensor.p - seen.sighting.position).norm();
-  });
-  if (nearest) fit->area.sighted_from = seen.sensor;
   if (!fit->ref) {
     if (sure || fit->seen.size() >= kSure) publish(k, *fit);
     return;
@@ -235,6 +230,20 @@ void AreaFitter::add(robot::Knowledge& k, const Seen& seen, RegionId region) {
   if (better && !k.inspected(*fit->ref)) publish(k, *fit);
 }
 
+/// Whence it was sighted most squarely, by the map: along that line nothing hides it, and an
+/// inspector may look along it as well.
+Pose AreaFitter::squarest(const robot::Knowledge& k, const Fit& fit) {
+  if (fit.seen.size() == 1) return fit.seen.front().sensor;
+  const SurfaceBelief belief = belief_at(k, fit.mean(), fit.towards(), 0.1);
+  const Seen* best = nullptr;
+  double most = -1;
+  for (const Seen& s : fit.seen) {
+    const double faces = belief.faces(s.towards);
+    if (faces > most) most = faces, best = &s;
+  }
+  return best->sensor;
+}
+
 void AreaFitter::publish(robot::Knowledge& k, Fit& fit) {
   if (!fit.ref) fit.ref = {k.self(), k.store().new_key(store::RecordClass::kArea)};
   const auto count = static_cast<std::uint32_t>(fit.seen.size());
@@ -242,6 +251,7 @@ void AreaFitter::publish(robot::Knowledge& k, Fit& fit) {
   fit.area.sigma_m = static_cast<float>(k.mission().sensing.sighting_sigma_m / std::sqrt(count));
   fit.area.normal = fit.towards();
   fit.area.position = fit.mean();
+  fit.area.sighted_from = squarest(k, fit);
   fit.published = fit.area.position;
   fit.published_count = count;
   k.publish(store::RecordClass::kArea, fit.ref->key, fit.area);

@@ -67,6 +67,7 @@ class AreaFitter {
                  std::set<FeatureId>* taken = nullptr) const;
   std::vector<Seen> unexplained(const robot::Knowledge& knowledge, const Fit& fit) const;
   void settle_doubts(robot::Knowledge& knowledge, bool explored);
+  static Pose squarest(const robot::Knowledge& knowledge, const Fit& fit);
   void publish(robot::Knowledge& knowledge, Fit& fit);
 
   std::vector<Fit> fits_;

@@ -17,6 +17,7 @@ constexpr double kRetryUnexplored_s = 60;
 // Of a refusal: a body in the way, or a surface that lies otherwise than it seems.
 constexpr double kMisled = 0.2;
 constexpr double kRuledOut = 0.03;  // chance of a feature left: less is none
+constexpr double kAnswer_s = 0.6;   // after the hold
 constexpr int kLooksInARow = 3;
 constexpr double kRetryArea_s = 12;  // the map grows meanwhile
 constexpr double kMoved_m = 0.4, kStuck_s = 10;
@@ -99,8 +100,16 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
   if (current_ && std::find(o.areas.begin(), o.areas.end(), *current_) == o.areas.end())
     current_.reset();
   if (current_) {
-    const bool refused =
-        progress.inspected && progress.inspected->outcome == mission::InspectOutcome::kRefusedView;
+    const bool there = progress.state == robot::Progress::State::kArrived;
+    if (!there)
+      looking_since_.reset();
+    else if (!looking_since_)
+      looking_since_ = k.now();
+    // What is in view is answered for when the hold is over; there is no need to wait for the no.
+    const double look_s = looking_since_ ? (k.now() - *looking_since_).s() : 0;
+    const bool refused = look_s > k.mission().inspect.hold_s + kAnswer_s ||
+                         (progress.inspected &&
+                          progress.inspected->outcome == mission::InspectOutcome::kRefusedView);
     const bool hidden = progress.state != robot::Progress::State::kArrived && !view_.seen &&
                         !in_sight(k, k.areas().at(*current_).area, view_.pose);
     const bool arrived = progress.state == robot::Progress::State::kArrived;
@@ -152,6 +161,7 @@ bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& r
   if (view) {
     view_ = *view;
     current_ = ref;
+    looking_since_.reset();
     moved_to_ = k.position();
     moved_at_ = k.now();
     return true;

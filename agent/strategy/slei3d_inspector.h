@@ -51,6 +51,7 @@ class Slei3dInspector : public robot::Strategy {
   std::map<mission::AreaRef, std::vector<VainLook>> in_vain_;
   std::map<mission::AreaRef, double> open_;  // chance that refusals so far missed a feature there
   std::map<mission::AreaRef, SimTime> not_before_;
+  std::optional<SimTime> looking_since_;
   Vec3 moved_to_ = Vec3::Zero();  // on the way to the current pose
   SimTime moved_at_;
   bool worked_ = false;      // had areas since it was given this region

@@ -15,10 +15,10 @@ constexpr double kSharpness = 14;   // of the map's say
 constexpr int kFewVoxels = 5;       // below this the map says nothing
 constexpr double kSoft_rad = 0.05;  // of the incidence limit
 constexpr double kUsualRange_m = 2.5;
-constexpr double kMapLies = 0.1;       // at edges and corners voxels say little: when what they say
-                                       // has been refused, everything else is still to be believed
-constexpr double kNegligible = 1e-5;   // against the likeliest direction
-constexpr double kBelieved = 0.9;      // of a refusal: bodies in the way refuse looks as well
+constexpr double kMapLies = 0.1;      // at edges and corners voxels say little: when what they say
+                                      // has been refused, everything else is still to be believed
+constexpr double kNegligible = 1e-5;  // against the likeliest direction
+constexpr double kBelieved = 0.9;     // of a refusal: bodies in the way refuse looks as well
 constexpr double kLeastSigma_m = 0.05;
 constexpr double kImpossible = 1e-4;  // of what contradicts an answer: the map may be wrong
 
@@ -80,6 +80,7 @@ SurfaceBelief::SurfaceBelief(const map::VoxelMap& map, const mission::Area& area
       vehicle_(vehicle),
       sigma_m_(std::max(kLeastSigma_m, static_cast<double>(area.sigma_m))),
       weights_(kDirections, 1.0) {
+  tabulate();
   const Vec3 last = (area.sighted_from.p - area.position).normalized();
   const Vec3 mean = area.normal.norm() > 0.5 ? area.normal : last;
   const std::vector<Vec3> voxels = occupied_around(map, area.position);
@@ -119,15 +120,23 @@ double SurfaceBelief::in_view(const Vec3& from, double range_m) const {
   return step(margin_rad, 0.6 * spread_rad) * step(reach_m, 0.6 * sigma_m_);
 }
 
+void SurfaceBelief::tabulate() {
+  for (std::size_t i = 0; i < square_.size(); ++i) {
+    const double cosine = 2 * (static_cast<double>(i) + 0.5) / square_.size() - 1;
+    square_[i] = step(rule_.max_incidence_rad - std::acos(cosine),
+                      kSoft_rad + 0.5 * sigma_m_ / kUsualRange_m);
+  }
+}
+
 double SurfaceBelief::square_enough(const Vec3& n, const Vec3& from) const {
-  const double incidence = std::acos(std::clamp(n.dot(from), -1.0, 1.0));
-  return step(rule_.max_incidence_rad - incidence, kSoft_rad + 0.5 * sigma_m_ / kUsualRange_m);
+  const double at = (n.dot(from) + 1) / 2 * square_.size();
+  return square_[static_cast<std::size_t>(std::clamp(at, 0.0, square_.size() - 1.0))];
 }
 
 void SurfaceBelief::refuse(const RefusedLook& look) {
   const double seen = in_view(look.from, look.range_m);
   for (int i = 0; i < kDirections; ++i)
-    weights_[i] *= 1 - kBelieved * seen * square_enough(directions()[i], look.from);
+    weights_[i] *= 1 - kBelieved * look.clear * seen * square_enough(directions()[i], look.from);
   normalise();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "common/robot/knowledge.h"
@@ -10,6 +11,7 @@ namespace muster::agent {
 struct RefusedLook {
   Vec3 from = Vec3::UnitX();  ///< unit, area → camera
   double range_m = 2;
+  double clear = 1;  ///< chance that nothing stood in the way
 };
 
 /// Which way the surface at an area of interest may face: weights over directions of the whole
@@ -42,12 +44,14 @@ class SurfaceBelief {
 
  private:
   double square_enough(const Vec3& normal, const Vec3& from) const;
+  void tabulate();
   void normalise();
 
   mission::InspectConfig rule_;
   mission::Vehicle vehicle_;
   double sigma_m_;
-  std::vector<double> weights_;  // of directions()
+  std::vector<double> weights_;        // of directions()
+  std::array<double, 1024> square_{};  // by the cosine of the incidence, −1…1
 };
 
 }  // namespace muster::agent

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 
 namespace muster::agent {
@@ -9,23 +10,30 @@ namespace {
 
 constexpr double kGap_m = 0.3;  // the line of sight is asked for up to this far before the surface,
                                 // whose voxels are occupied
-constexpr double kRefusal_s = 16;  // an attempt in vain: hold, patience, and the way to the next
+// A surface seen at a slant is thick with voxels for as far as this before the area: that hides it
+// on the map, but not always in the world.
+constexpr double kSlantGap_m = 0.8;
+constexpr double kSlantClear = 0.4;
+constexpr double kRefusal_s = 14;  // an attempt in vain: the hold, and the way to the next
 constexpr double kLeastChance[] = {0.25, 0.08, 0.02};
-constexpr double kSameLook_rad = 0.25;  // what hid the area there may hide it here
+constexpr double kSamePose_rad = 0.06, kSamePose_m = 0.3;  // shows the same again
+constexpr double kSameLook_rad = 0.2;                      // what hid the area there may do so here
 constexpr double kSameLookFactor = 0.5;
 constexpr double kRanges_m[] = {1.2, 1.6, 2.1, 2.7, 3.4, 4.1, 4.6};
-constexpr double kElevations_rad[] = {0.0, 0.2, -0.2, 0.34, -0.34, 0.43, -0.43, 0.48, -0.48};
+constexpr double kElevations_rad[] = {0.0,   0.12, -0.12, 0.22,  -0.22,  0.3,   -0.3,  0.37,
+                                      -0.37, 0.43, -0.43, 0.475, -0.475, 0.505, -0.505};
 constexpr int kAzimuths = 24;
 constexpr double kBeside_m = 0.01;
 constexpr std::size_t kLinesOfSight = 400;  // asked for at most, until looks have been in vain
 
 double angle(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(a.dot(b), -1.0, 1.0)); }
 
-/// Up to just before the surface, on the side the camera is on.
-bool sees(const robot::Knowledge& k, const Vec3& area, const Vec3& n, const Vec3& p) {
+/// Chance that nothing hides the area from `p`, by the map: 0 when something does.
+double clear(const robot::Knowledge& k, const Vec3& area, const Vec3& n, const Vec3& p) {
   const Vec3 from = (p - area).normalized();
-  return k.map().line_of_sight(p, area + kGap_m * from, false) ||
-         (n.dot(from) > 0 && k.map().line_of_sight(p, area + kGap_m * n, false));
+  const auto up_to = [&](const Vec3& q) { return k.map().line_of_sight(p, q, false); };
+  if (up_to(area + kGap_m * from) || (n.dot(from) > 0 && up_to(area + kGap_m * n))) return 1;
+  return up_to(area + kSlantGap_m * from) ? kSlantClear : 0;
 }
 
 }  // namespace
@@ -40,8 +48,11 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
   const double least = kLeastChance[std::clamp(attempts / 2, 0, 2)];
 
   struct Candidate {
-    double cost_s;
+    double way_s, cost_s;
     ViewPose view;
+  };
+  const auto cost_s = [](double way_s, double chance) {
+    return way_s + kRefusal_s * (1 - chance) / chance;
   };
   std::vector<Candidate> found;
   const auto consider = [&](const Vec3& from, std::span<const double> ranges_m, bool seen) {
@@ -53,9 +64,14 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
       const double chance = faces * belief.in_view(from, range_m);
       const Vec3 p = area.position + range_m * from;
       if (chance < least || !k.map().traversable(p) || !k.paths().reached(p)) continue;
+      const bool again = std::any_of(in_vain.begin(), in_vain.end(), [&](const VainLook& v) {
+        return v.refused && angle(from, v.look.from) < kSamePose_rad &&
+               std::abs(range_m - v.look.range_m) < kSamePose_m;
+      });
+      if (again) continue;
       const double way_s = nav::travel_time_s(k.paths().flood_distance(p), k.limits());
-      found.push_back({way_s + kRefusal_s * (1 - chance) / chance,
-                       {{p, std::atan2(-from.y(), -from.x())}, {from, range_m}, chance, seen}});
+      const ViewPose view{{p, std::atan2(-from.y(), -from.x())}, {from, range_m, 1}, chance, seen};
+      found.push_back({way_s, cost_s(way_s, chance), view});
     }
   };
   for (int i = 0; i < kAzimuths; ++i) {
@@ -74,10 +90,17 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.cost_s < b.cost_s; });
   if (in_vain.empty()) found.resize(std::min(found.size(), kLinesOfSight));
-  for (const Candidate& c : found) {
-    if (c.view.seen || sees(k, area.position, n, c.view.pose.p)) return c.view;
+  const Candidate* best = nullptr;
+  double best_s = std::numeric_limits<double>::infinity();
+  for (Candidate& c : found) {
+    if (c.cost_s >= best_s) break;
+    c.view.look.clear = c.view.seen ? 1 : clear(k, area.position, n, c.view.pose.p);
+    c.view.probability *= c.view.look.clear;
+    if (c.view.probability < least) continue;
+    const double s = cost_s(c.way_s, c.view.probability);
+    if (s < best_s) best_s = s, best = &c;
   }
-  return std::nullopt;
+  return best ? std::optional(best->view) : std::nullopt;
 }
 
 bool known_near(const robot::Knowledge& k, const Vec3& spot) {
@@ -108,7 +131,7 @@ Vec3 spot_to_ask(const robot::Knowledge& k, const mission::Area& area) {
 
 bool in_sight(const robot::Knowledge& k, const mission::Area& area, const Pose& pose) {
   const Vec3 from = (pose.p - area.position).normalized();
-  const Vec3 edge = area.position + 1.5 * kGap_m * from;
+  const Vec3 edge = area.position + kSlantGap_m * from;
   return k.map().line_of_sight(pose.p, edge, true);
 }
 

@@ -29,7 +29,8 @@ std::optional<ViewPose> view_pose(robot::Knowledge& knowledge, const mission::Ar
                                   const std::vector<VainLook>& in_vain, int attempts);
 
 /// Where to ask for, about an area: its position, moved a little when features that are known
-/// already lie so near that the answer would be about them. Not moved when that would take too much.
+/// already lie so near that the answer would be about them. Not moved when that would take too
+/// much.
 Vec3 spot_to_ask(const robot::Knowledge& knowledge, const mission::Area& area);
 
 /// A feature that was found already lies within the rule's distance of `spot`: a look that does not

@@ -86,6 +86,40 @@ TEST_CASE("a refused look is followed by one from elsewhere") {
   CHECK(l.self.results().empty());
 }
 
+TEST_CASE("a look that is not answered when the hold is over counts as refused") {
+  Life l;
+  l.give({{5, 0, 2}});
+  const robot::Intent look = l.decide();
+  l.progress.state = robot::Progress::State::kArrived;
+  l.time(5, look.goal.p);
+  CHECK(l.decide().goal.p.isApprox(look.goal.p));
+  l.time(5 + l.mission.inspect.hold_s, look.goal.p);
+  CHECK(l.decide().goal.p.isApprox(look.goal.p));
+  l.time(6 + l.mission.inspect.hold_s, look.goal.p);
+  const robot::Intent again = l.decide();
+  REQUIRE(again.kind == Kind::kInspect);
+  CHECK((again.goal.p - look.goal.p).norm() > 0.3);
+}
+
+TEST_CASE("beside a known feature, refusals of good looks close an area that has no other") {
+  Life l;
+  l.give({{5, 0, 2}, {5, 0.1, 2}});
+  l.decide();
+  l.answer(mission::InspectOutcome::kFound);
+  l.progress.inspected->found = {{FeatureId{1}, 0, {5, 0.05, 2}}};
+  l.decide();
+  REQUIRE(l.self.results().size() == 1);
+  for (int i = 0; i < 8 && l.self.results().size() == 1; ++i) {
+    l.time(10 + 20 * i);
+    l.progress = {};
+    l.decide();
+    l.answer(mission::InspectOutcome::kRefusedView);
+    l.decide();
+  }
+  REQUIRE(l.self.results().size() == 2);
+  CHECK_FALSE(l.self.results().rbegin()->second.inspection.found);
+}
+
 TEST_CASE("an area whose pose is not reached in time does not hold up the others") {
   Life l;
   l.give({{5, 0, 2}, {5, 3, 2}});

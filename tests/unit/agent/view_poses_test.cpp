@@ -81,6 +81,26 @@ TEST_CASE("what cannot be seen from anywhere has no pose, and a wall in between 
   CHECK_FALSE(in_sight(p.inspector, area_at({4.0, 0, 2}, {3.7, 0, 2}), {{1, 0, 2}, 0}));
 }
 
+TEST_CASE("the spot asked for leaves out a feature that is known already, when it can") {
+  Place p(wall);
+  const auto find = [&](std::uint64_t key, const Vec3& at) {
+    mission::Inspection i;
+    i.area = {RobotId{1}, key};
+    i.found = true;
+    i.findings = {{FeatureId{static_cast<std::uint32_t>(key)}, 0, at}};
+    p.inspector.publish(store::RecordClass::kInspection, robot::result_key(i.area), i);
+  };
+  const mission::Area a = area_at({4.0, 0, 2}, {2.0, 0, 2});
+  CHECK(spot_to_ask(p.inspector, a) == a.position);
+  find(1, {4.0, 0.35, 2});
+  const Vec3 aside = spot_to_ask(p.inspector, a);
+  CHECK((aside - Vec3(4.0, 0.35, 2)).norm() > p.mission.inspect.match_m);
+  CHECK((aside - a.position).norm() < 0.25);
+  find(2, {4.0, -0.35, 2});  // between two there is no such spot near by
+  find(3, {4.0, 0, 2.1});
+  CHECK(spot_to_ask(p.inspector, a) == a.position);
+}
+
 TEST_CASE("an area close to the limit of the field of view is looked at from further away") {
   Place p([](const Vec3&) { return false; });
   const mission::Area a = area_at({0, 0, 2}, {-3, 0, 2});

@@ -1,7 +1,6 @@
-#include "gcs/strategy/slei3d_station.h"
-
 #include <catch2/catch.hpp>
 
+#include "gcs/strategy/slei3d_station.h"
 #include "tests/unit/robot/fixtures.h"
 
 using namespace muster;
