@@ -36,7 +36,7 @@ class Outlet {
 class Waiting {
  public:
   Waiting(std::uint64_t seed, RobotId id)
-      : random_(seed, id, "shuffle"), thread_([this](std::stop_token stop) { run(stop); }) {}
+      : random_(seed, id, "shuffle"), thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
   void hold(std::shared_ptr<Outlet> outlet, mission::Message&& message) {
     {

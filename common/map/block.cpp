@@ -11,7 +11,8 @@ constexpr int kOffset = 1 << 20;
 constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1;
 std::uint64_t part(int v) {
   MUSTER_CHECK(v >= -kOffset && v < kOffset);
-  return static_cast<std::uint64_t>(v + kOffset);
+  const int from_zero = v + kOffset;
+  return static_cast<std::uint64_t>(from_zero);
 }
 int unpart(std::uint64_t v) { return static_cast<int>(v & kMask) - kOffset; }
 }  // namespace

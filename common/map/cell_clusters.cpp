@@ -39,7 +39,7 @@ class Sets {
 
 }  // namespace
 
-CellClusters::CellClusters(std::vector<BlockKey> blocks, const Neighbours& neighbours,
+CellClusters::CellClusters(const std::vector<BlockKey>& blocks, const Neighbours& neighbours,
                            double resolution_m, double max_extent_m)
     : neighbours_(neighbours),
       cell_m2_(resolution_m * resolution_m),

@@ -23,8 +23,8 @@ class CellClusters {
  public:
   /// `neighbour[26]` per slot: slot number of the block at [dx+1 + 3(dy+1) + 9(dz+1)], −1: none.
   using Neighbours = std::vector<std::array<int, 27>>;
-  CellClusters(std::vector<BlockKey> blocks, const Neighbours& neighbours, double resolution_m,
-               double max_extent_m);
+  CellClusters(const std::vector<BlockKey>& blocks, const Neighbours& neighbours,
+               double resolution_m, double max_extent_m);
 
   void set(std::size_t slot, const Plane& marks);
   const Plane& marks(std::size_t slot) const { return slots_[slot].marks; }

@@ -1,5 +1,6 @@
 #include "common/map/own_tree.h"
 
+#include <algorithm>
 #include <array>
 
 namespace muster::map {
@@ -17,7 +18,7 @@ struct Pyramid {
   std::array<std::array<std::int16_t, kBlockVoxels>, kBlockLevels + 1> level;
 
   explicit Pyramid(std::span<const Evidence, kBlockVoxels> evidence) {
-    for (std::size_t i = 0; i < kBlockVoxels; ++i) level[0][i] = evidence[i];
+    std::copy(evidence.begin(), evidence.end(), level[0].begin());
     for (unsigned l = 1; l <= kBlockLevels; ++l) {
       const int side = kBlockSide >> l;
       for (int z = 0; z < side; ++z) {
@@ -30,7 +31,8 @@ struct Pyramid {
   }
   static std::size_t index(unsigned l, int x, int y, int z) {
     const int side = kBlockSide >> l;
-    return static_cast<std::size_t>(x + side * (y + side * z));
+    const int i = x + side * (y + side * z);
+    return static_cast<std::size_t>(i);
   }
   std::int16_t at(unsigned l, int x, int y, int z) const { return level[l][index(l, x, y, z)]; }
 

@@ -19,7 +19,8 @@ template <class PlaneOf>
 std::uint32_t long_row(const Block& block, int y, int z, PlaneOf plane_of) {
   const int by = y < 0 ? 0 : y < kBlockSide ? 1 : 2, bz = z < 0 ? 0 : z < kBlockSide ? 1 : 2;
   const auto part = [&](int bx) -> std::uint32_t {
-    const Block* b = block.around[static_cast<std::size_t>(bx + 3 * by + 9 * bz)];
+    const int i = bx + 3 * by + 9 * bz;
+    const Block* b = block.around[static_cast<std::size_t>(i)];
     return b ? plane_of(*b, y & 15, z & 15) : 0;
   };
   return part(0) >> 8 | part(1) << 8 | part(2) << 24;

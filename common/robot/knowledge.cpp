@@ -105,7 +105,8 @@ void Knowledge::ingest(const store::Record& record) {
     case store::RecordClass::kMeeting: {
       auto body = dds::decode_body<mission::Meeting>(record);
       const RobotId about = body.proposer == h.author.robot ? body.partner : body.proposer;
-      meetings_[{h.author.robot, about, body.kind}] = {h, std::move(body)};
+      const auto kind = body.kind;
+      meetings_[{h.author.robot, about, kind}] = {h, std::move(body)};
       break;
     }
     case store::RecordClass::kRequest:
@@ -114,7 +115,8 @@ void Knowledge::ingest(const store::Record& record) {
       break;
     case store::RecordClass::kPlan: {
       auto body = dds::decode_body<mission::Plan>(record);
-      plans_[{h.author.robot, body.kind}] = {h, std::move(body)};
+      const auto kind = body.kind;
+      plans_[{h.author.robot, kind}] = {h, std::move(body)};
       break;
     }
     case store::RecordClass::kArea: {

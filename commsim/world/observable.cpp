@@ -23,7 +23,10 @@ struct Sample {
 constexpr int kKeyOffset = 1 << 20;  // 21 bits for each axis
 
 std::uint64_t key_of(const Eigen::Vector3i& v) {
-  const auto part = [](int i) { return static_cast<std::uint64_t>(i + kKeyOffset); };
+  const auto part = [](int i) {
+    const int from_zero = i + kKeyOffset;
+    return static_cast<std::uint64_t>(from_zero);
+  };
   return part(v.x()) << 42 | part(v.y()) << 21 | part(v.z());
 }
 

@@ -22,7 +22,8 @@ ViewRule::ViewRule(const mission::Vehicle& vehicle, double range_m, double max_i
   for (const double share : kElevationShares) {
     const double el = min_elevation_rad_ + share * (max_elevation_rad_ - min_elevation_rad_);
     for (int k = 0; k < kAzimuths; ++k) {
-      const double turn = (k % 2 ? -1 : 1) * ((k + 1) / 2) * 2 * std::numbers::pi / kAzimuths;
+      const int steps = (k % 2 ? -1 : 1) * ((k + 1) / 2);  // 0, −1, 1, −2, 2 …
+      const double turn = steps * 2 * std::numbers::pi / kAzimuths;
       directions_.emplace_back(std::cos(el) * std::cos(turn), std::cos(el) * std::sin(turn),
                                -std::sin(el));
     }
