@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/nav/headway.h"
+
 namespace muster::robot {
 namespace {
 
@@ -34,6 +36,11 @@ constexpr double kTaken_m = 0.6;  // a return this near a landing place, seen fr
 constexpr double kNeighbour_m = 0.9;  // what is nearer to a teammate's start is the teammate's
 constexpr int kLandingTries = 8;      // then it lands where it is, rather than hover until it falls
 constexpr double kMoverMemory_s = 2.0;
+// Behind somebody who may brake at any time: its word takes a tick, our answer another one.
+constexpr Duration kReaction{300'000};
+constexpr double kHeadway_m = 0.1;  // what is left between us when both have braked
+constexpr double kFollows_m = 4.0, kMoves_mps = 0.3;
+constexpr Duration kForesight{2'500'000};
 constexpr double kSettled_m = 0.12, kSettled_rad = 0.08;
 
 bool same_goal(const Intent& a, const Intent& b) {
@@ -265,10 +272,34 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
   return commands;
 }
 
+/// The one that we follow too closely: should it brake, braking a little later would not do, and
+/// braking now helps.
+std::optional<RobotId> Executive::follows_too_closely(const Knowledge& k) const {
+  const SimTime now = k.now();
+  for (const nav::Mover& m : movers_) {
+    if ((m.announced.front().p - k.position()).norm() > kFollows_m) continue;
+    if (nav::speed(m, now) < kMoves_mps) continue;  // what stands is checked as it is
+    const nav::Mover halted = nav::braking(m, now, limits_of(k.mission().robot(m.robot).vehicle));
+    const auto gap_m = [&](Duration reaction) {
+      const nav::Trajectory halt = nav::braking_late(trajectory_, now, reaction, limits_);
+      return nav::least_gap(halt, radius_m_, halted, now, kForesight);
+    };
+    const double late_m = gap_m(kReaction);
+    if (late_m < kHeadway_m && gap_m(kTick) > late_m + 0.01) return m.robot;
+  }
+  return std::nullopt;
+}
+
 /// Checks what is being flown; true when it may go on being flown (or the vehicle rests).
 bool Executive::stay_safe(Knowledge& k, Commands& commands) {
   const SimTime now = k.now();
   if (resting(now)) return true;
+  if (const auto ahead = follows_too_closely(k)) {
+    brake(k, commands);
+    blocked(now, "too close behind robot " + std::to_string(ahead->value), *ahead);
+    plan_again_ = now + Duration::from_s(kRetry_s);
+    return false;
+  }
   const bool due = k.map().revision() != checked_revision_ ||
                    (now - checked_at_).s() >= kRecheck_s - 1e-9 || !obstacle_spheres_.empty();
   if (!due) return true;

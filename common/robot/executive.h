@@ -20,9 +20,10 @@ namespace muster::robot {
 ///                  └───────── wait, go round ◀────┴──── brake ◀─────┘
 ///
 /// Right of way: the smaller (role, id) goes first; the other brakes, goes round, and after a while
-/// steps aside. Both brake when it gets close. Bodies seen but not heard (radio off, dead robots)
-/// are short-lived obstacles that everybody brakes for. Who stands idle makes room for a neighbour
-/// that stands although it is on its way.
+/// steps aside. Both brake when it gets close; who follows stays far enough behind to brake when
+/// the other does. Bodies seen but not heard (radio off, dead robots) are short-lived obstacles
+/// that everybody brakes for. Who stands idle makes room for a neighbour that stands although it is
+/// on its way.
 class Executive {
  public:
   explicit Executive(const mission::Mission& mission, RobotId self);
@@ -58,6 +59,7 @@ class Executive {
   bool taken(const map::VoxelMap& map, const Vec3& p) const;
   void find_landing(Knowledge& knowledge, const Intent& intent, Commands& commands);
   bool stay_safe(Knowledge& knowledge, Commands& commands);
+  std::optional<RobotId> follows_too_closely(const Knowledge& knowledge) const;
   void plan(Knowledge& knowledge, const Intent& intent, Commands& commands);
   void plan_transit(Knowledge& knowledge, const Intent& intent, Commands& commands);
   void step_aside(Knowledge& knowledge, Commands& commands);

@@ -1,0 +1,195 @@
+#include <catch2/catch.hpp>
+#include <memory>
+
+#include "common/core/random.h"
+#include "common/robot/executive.h"
+#include "tests/unit/robot/fixtures.h"
+
+using namespace muster;
+using robot::Executive;
+using robot::Intent;
+using robot::Knowledge;
+
+namespace {
+
+mission::Mission fleet_mission(int robots) {
+  mission::Mission m = robot::small_mission();
+  m.fleet.resize(1);
+  for (int i = 1; i <= robots; ++i) {
+    mission::RobotConfig r;
+    r.id = RobotId{static_cast<std::uint32_t>(i)};
+    r.role = i % 3 == 1 ? mission::Role::kExplorer : mission::Role::kInspector;
+    m.fleet.push_back(r);
+  }
+  return m;
+}
+
+/// One robot that flies what its executive says, to the millimetre, in space that it knows free.
+class Flyer {
+ public:
+  Flyer(const mission::Mission& m, RobotId id, const Vec3& start)
+      : knowledge_(m, id, 1), executive_(m, id), p_(start) {}
+
+  Knowledge& knowledge() { return knowledge_; }
+  const Vec3& p() const { return p_; }
+  bool arrived() const { return executive_.progress().state == robot::Progress::State::kArrived; }
+  void go(const Vec3& goal) {
+    intent_.kind = Intent::Kind::kGo;
+    intent_.goal.p = goal;
+    intent_.tolerance_m = 0.3;
+    intent_.activity = mission::Activity::kTravelling;
+  }
+
+  void hover() { intent_ = {}; }
+
+  void step(SimTime now, const std::vector<mission::Beacon>& heard) {
+    knowledge_.begin(now);
+    mission::Odometry o;
+    const nav::State s = state(now);
+    o.pose = {s.p, s.yaw_rad};
+    o.velocity_mps = s.v_mps;
+    o.state = mission::VehicleState::kMoving;
+    knowledge_.observe(o);
+    p_ = s.p;
+    yaw_rad_ = s.yaw_rad;
+    for (const mission::Beacon& b : heard) {
+      if (b.envelope.src != knowledge_.self()) knowledge_.hear(b);
+    }
+    if (executive_.step(knowledge_, intent_).trajectory) flown_ = executive_.trajectory();
+  }
+
+  /// As Robot's: the next 6 s in steps of 0.5 s.
+  mission::Beacon beacon(SimTime now) const {
+    mission::Beacon b;
+    b.envelope.src = knowledge_.self();
+    b.envelope.sent = b.mission_time = now;
+    b.epoch = 1;
+    b.pose = knowledge_.odometry().pose;
+    b.velocity_mps = knowledge_.odometry().velocity_mps;
+    b.activity = intent_.activity;
+    b.radius_m = 0.25f;
+    for (int i = 1; !flown_.empty() && i <= 12; ++i) {
+      const SimTime at = now + Duration::from_s(0.5 * i);
+      const nav::State s = flown_.at(at);
+      b.trajectory.push_back({at, {s.p, s.yaw_rad}});
+      if (at >= flown_.end()) break;
+    }
+    return b;
+  }
+
+ private:
+  nav::State state(SimTime t) const {
+    return flown_.empty() ? nav::State{t, p_, Vec3::Zero(), yaw_rad_} : flown_.at(t);
+  }
+
+  Knowledge knowledge_;
+  Executive executive_;
+  Intent intent_;
+  nav::Trajectory flown_;
+  Vec3 p_;
+  double yaw_rad_ = 0;
+};
+
+/// A hall of 12.8 × 12.8 × 3.2 m that everybody knows.
+class Hall {
+ public:
+  explicit Hall(const std::vector<Vec3>& starts)
+      : mission_(fleet_mission(static_cast<int>(starts.size()))) {
+    const Bytes free = map::encode_block(std::vector<map::Voxel>(4096, map::Voxel::kFree));
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      const RobotId id{static_cast<std::uint32_t>(i + 1)};
+      flyers_.push_back(std::make_unique<Flyer>(mission_, id, starts[i]));
+      for (int block = 0; block < 16; ++block) {
+        const map::BlockKey key{block % 4 - 2, block / 4 - 2, 0};
+        flyers_.back()->knowledge().map().merge(RobotId{99}, key, free);
+      }
+    }
+  }
+  double hears_m = 5;
+
+  std::size_t size() const { return flyers_.size(); }
+  Flyer& operator[](std::size_t i) { return *flyers_[i]; }
+
+  /// Returns the least gap between any two bodies over this span.
+  double run(double span_s) {
+    double least_m = 1e9;
+    for (const SimTime end = now_ + Duration::from_s(span_s); now_ < end; now_ = now_ + kTick) {
+      std::vector<mission::Beacon> said;
+      for (auto& f : flyers_) {
+        std::vector<mission::Beacon> near;
+        for (const mission::Beacon& b : heard_) {
+          if ((b.pose.p - f->p()).norm() < hears_m) near.push_back(b);
+        }
+        f->step(now_, near);
+        said.push_back(f->beacon(now_));
+      }
+      heard_ = std::move(said);  // on the air for a tick
+      for (std::size_t i = 0; i < flyers_.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+          least_m = std::min(least_m, (flyers_[i]->p() - flyers_[j]->p()).norm() - 0.5);
+        }
+      }
+    }
+    return least_m;
+  }
+
+ private:
+  mission::Mission mission_;
+  std::vector<std::unique_ptr<Flyer>> flyers_;
+  std::vector<mission::Beacon> heard_;
+  SimTime now_;
+};
+
+}  // namespace
+
+TEST_CASE("who follows keeps off when the one in front brakes, whoever has the right of way") {
+  const bool first = GENERATE(true, false);
+  const double behind_m = GENERATE(0.6, 0.7, 0.9, 1.2, 1.6, 2.2);
+  const Vec3 front(-4 + behind_m, 0, 1.5), back(-4, 0, 1.5);
+  Hall hall({first ? front : back, first ? back : front});
+  for (std::size_t i = 0; i < 2; ++i) hall[i].go(Vec3(5.5, 0, 1.5));
+  Flyer& leader = hall[first ? 0 : 1];
+  CHECK(hall.run(1.7) > 0);
+  leader.hover();
+  hall.hears_m = 0;  // a beacon is lost
+  CHECK(hall.run(0.2) > 0);
+  hall.hears_m = 5;
+  CHECK(hall.run(5) > 0);
+}
+
+TEST_CASE("robots that go home to neighbouring places never touch on the way") {
+  Random random(1, kNoRobot, "home");
+  for (int i = 0; i < 150; ++i) {
+    CAPTURE(i);
+    const auto start = [&](double x) {
+      return Vec3(x + random.uniform(-1.3, 1.3), random.uniform(-6, -2), random.uniform(1, 2.5));
+    };
+    Hall hall({start(-4.5), start(-1.5), start(1.5), start(4.5)});
+    const Vec3 homes[] = {{0, 4.7, 1}, {-1.3, 4.7, 1}, {1.3, 4.7, 1}, {0, 6, 1}};
+    for (std::size_t r = 0; r < hall.size(); ++r) {
+      hall[r].go(homes[r]);
+      REQUIRE(hall.run(random.uniform(0, 1.5)) > 0);
+    }
+    CHECK(hall.run(12) > 0);
+  }
+}
+
+TEST_CASE("robots that cross, meet and follow each other never touch, and all get on") {
+  const std::uint64_t seed = GENERATE(range(1, 13));
+  Random random(seed, kNoRobot, "right of way");
+  const auto somewhere = [&] {
+    return Vec3(random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(1, 2.2));
+  };
+  Hall hall({{-4, -4, 1}, {4, 4, 1}, {-4, 4, 2}, {4, -4, 2}, {0, 0, 1.5}});
+  std::vector<int> arrivals(hall.size());
+  for (std::size_t i = 0; i < hall.size(); ++i) hall[i].go(somewhere());
+  for (int i = 0; i < 600; ++i) {
+    REQUIRE(hall.run(0.1) > 0);
+    for (std::size_t r = 0; r < hall.size(); ++r) {
+      if (!hall[r].arrived()) continue;
+      ++arrivals[r];
+      hall[r].go(somewhere());
+    }
+  }
+  for (const int n : arrivals) CHECK(n >= 2);
+}
