@@ -44,10 +44,21 @@ Plane voxels_inside(BlockKey b, double resolution_m, const Box& box) {
     plane.fill(~std::uint64_t{0});
     return plane;
   }
-  for (int i = 0; i < kBlockVoxels; ++i) {
-    const VoxelKey k = voxel_in(b, i);
-    if (box.contains(Vec3(k.x + 0.5, k.y + 0.5, k.z + 0.5) * resolution_m, 1e-9))
-      put(plane, i, true);
+  const VoxelKey first = voxel_in(b, 0);
+  const auto center = [&](int x, int y, int z) -> Vec3 {
+    return Vec3(first.x + x + 0.5, first.y + y + 0.5, first.z + z + 0.5) * resolution_m;
+  };
+  // A box is convex: a row of voxels whose ends are both inside is inside.
+  for (int z = 0; z < kBlockSide; ++z) {
+    for (int y = 0; y < kBlockSide; ++y) {
+      std::uint64_t bits = 0xFFFF;
+      if (!box.contains(center(0, y, z), 1e-9) || !box.contains(center(15, y, z), 1e-9)) {
+        bits = 0;
+        for (int x = 0; x < kBlockSide; ++x)
+          bits |= std::uint64_t{box.contains(center(x, y, z), 1e-9)} << x;
+      }
+      plane[static_cast<std::size_t>(z << 2 | y >> 2)] |= bits << ((y & 3) << 4);
+    }
   }
   return plane;
 }

@@ -40,12 +40,9 @@ Block* BlockStore::obtain(BlockKey b) {
   auto owned = std::make_unique<Block>(b);
   Block* block = owned.get();
   if (n < kBlockVoxels) block->inside = std::make_unique<Plane>(inside);
-  const Plane fence = voxels_inside(b, config_.resolution_m, config_.bounds);
-  if (count(fence) < kBlockVoxels) block->fence = std::make_unique<Plane>(fence);
-  for (int i = 0; i < 27; ++i) {
-    Block* near = i == 13 ? block : find({b.x + i % 3 - 1, b.y + i / 3 % 3 - 1, b.z + i / 9 - 1});
-    block->around[static_cast<std::size_t>(i)] = near;
-    if (near) near->around[static_cast<std::size_t>(26 - i)] = block;
+  meet(*block);
+  for (std::size_t i = 0; i < 27; ++i) {
+    if (Block* near = block->around[i]) near->around[26 - i] = block;
   }
   blocks_.emplace(pack(b), std::move(owned));
   make_stale(*block);  // its neighbours may block some of it
@@ -125,16 +122,43 @@ void BlockStore::commit() {
   own_changed_.clear();
 }
 
+/// Works out the fence and the neighbours of a new block, which do not know it yet; returns how
+/// many there are.
+std::uint32_t BlockStore::meet(Block& block) const {
+  const Plane fence = voxels_inside(block.key, config_.resolution_m, config_.bounds);
+  if (count(fence) < kBlockVoxels) block.fence = std::make_unique<Plane>(fence);
+  std::uint32_t met = 0;
+  for (int i = 0; i < 27; ++i) {
+    Block* near =
+        i == 13
+            ? &block
+            : find({block.key.x + i % 3 - 1, block.key.y + i / 3 % 3 - 1, block.key.z + i / 9 - 1});
+    block.around[static_cast<std::size_t>(i)] = near;
+    met += i != 13 && near;
+  }
+  return met;
+}
+
+void BlockStore::refresh(Block& block) const {
+  reach_.refresh(block);
+  for (std::size_t w = 0; block.fence && w < 64; ++w) {
+    block.traversable[w] &= (*block.fence)[w];
+    block.blocked[w] |= ~(*block.fence)[w];
+  }
+}
+
 void BlockStore::refresh_stale() const {
   for (Block* b : stale_) {
-    reach_.refresh(*b);
-    for (std::size_t w = 0; b->fence && w < 64; ++w) {
-      b->traversable[w] &= (*b->fence)[w];
-      b->blocked[w] |= ~(*b->fence)[w];
-    }
+    refresh(*b);
     b->stale = false;
   }
   stale_.clear();
+}
+
+Plane BlockStore::blocked_where_unknown(BlockKey b) const {
+  Block block(b);
+  if (meet(block) > 0 || block.fence || config_.ground) refresh(block);
+  return block.blocked;
 }
 
 std::vector<BlockKey> BlockStore::since(const Stamps& stamps, std::uint64_t& cursor) {

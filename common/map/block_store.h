@@ -37,6 +37,9 @@ class BlockStore {
     if (!stale_.empty()) refresh_stale();
   }
 
+  /// `blocked` of a block that is not there.
+  Plane blocked_where_unknown(BlockKey b) const;
+
   std::vector<BlockKey> changes(std::uint64_t& cursor) const { return since(by_change_, cursor); }
   std::vector<BlockKey> own_changes(std::uint64_t& cursor) const {
     return since(by_own_change_, cursor);
@@ -51,6 +54,8 @@ class BlockStore {
   static std::vector<BlockKey> since(const Stamps& stamps, std::uint64_t& cursor);
   void note_changed(Block& block, std::uint32_t border);
   void refresh_stale() const;
+  void refresh(Block& block) const;
+  std::uint32_t meet(Block& block) const;
   void make_stale(Block& block) {
     if (!block.stale) stale_.push_back(&block);
     block.stale = true;

@@ -104,7 +104,12 @@ BlockView VoxelMap::view(BlockKey b) const {
   impl_->blocks.refresh_reach();
   const Block* block = impl_->blocks.find(b);
   if (!block) return {};
-  return {block->merged.free.data(), block->merged.occupied.data(), block->traversable.data()};
+  return {block->merged.free.data(), block->merged.occupied.data(), block->traversable.data(),
+          block->blocked.data()};
+}
+
+Plane VoxelMap::blocked_where_unknown(BlockKey b) const {
+  return impl_->blocks.blocked_where_unknown(b);
 }
 
 bool VoxelMap::traversable(VoxelKey k) const {

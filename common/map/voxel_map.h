@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -61,6 +62,7 @@ struct BlockView {
   const std::uint64_t* free = nullptr;
   const std::uint64_t* occupied = nullptr;
   const std::uint64_t* traversable = nullptr;
+  const std::uint64_t* blocked = nullptr;
   explicit operator bool() const { return free != nullptr; }
 };
 
@@ -118,6 +120,9 @@ class VoxelMap {
   /// bounds). Neither blocked nor traversable: unknown space that may turn out passable; transit
   /// plans through it and looks before it goes.
   bool blocked(VoxelKey k) const;
+  /// The same of all voxels of a block without a `view`, in its layout: what known neighbours and
+  /// the bounds block of it.
+  std::array<std::uint64_t, 64> blocked_where_unknown(BlockKey b) const;
   /// The voxel that decides about a body at `p`: key(p); for a UGV within 0.3 m of its driving
   /// plane, the one in that plane.
   VoxelKey body_key(const Vec3& p) const;

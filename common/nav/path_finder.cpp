@@ -123,8 +123,7 @@ struct PathFinder::Impl {
     e.start = *from;
     e.goal = cell(goal);
     const auto fits = [&](Cell c) {
-      return grid.holds(c) &&
-             (grid.traversable(c) || (through_unknown && !map.blocked(grid.key(c))));
+      return grid.holds(c) && (grid.traversable(c) || (through_unknown && !grid.blocked(c)));
     };
     if (fits(e.goal)) return e;
     e.tolerance_m = tolerance_m;

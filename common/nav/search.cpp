@@ -42,47 +42,51 @@ void Search::prepare(const SearchRequest& request) {
   }
 }
 
-Ground Search::judge(Cell c) const {
-  if (!grid_.holds(c)) return Ground::kNo;
-  const Vec3 p = grid_.center(c);
-  const auto within = [&](const map::Sphere& s) {
-    return s.radius_m > 0 && (p - s.center).squaredNorm() < s.radius_m * s.radius_m;
+/// What may be entered of a block: bodies and places to be avoided are cut out.
+void Search::survey(std::uint32_t block, Content& content) {
+  content.known.fill(0);
+  content.unknown.fill(0);
+  const Cell first = grid_.first_of(block);
+  if (!grid_.holds(first)) return;
+  const Passage& passage = grid_.passage(block);
+  for (std::size_t w = 0; w < 64; ++w) {
+    content.known[w] = passage.traversable[w];
+    if (request_.through_unknown)
+      content.unknown[w] = ~passage.traversable[w] & ~passage.blocked[w];
+  }
+  const double side = map::kBlockSide * grid_.map().config().resolution_m;
+  const Vec3 low = grid_.center(first);
+  const auto cut = [&](const map::Sphere& s, bool known_too) {
+    const Vec3 nearest = s.center.cwiseMax(low).cwiseMin(low + Vec3::Constant(side));
+    if (s.radius_m <= 0 || (nearest - s.center).squaredNorm() >= s.radius_m * s.radius_m) return;
+    for (std::uint32_t i = 0; i < Grid::kVoxels; ++i) {
+      const Cell c = grid_.cell_of(std::uint64_t{block} << 12 | i);
+      if ((grid_.center(c) - s.center).squaredNorm() >= s.radius_m * s.radius_m) continue;
+      const std::uint64_t others = ~(std::uint64_t{1} << (i & 63));
+      content.unknown[i >> 6] &= others;
+      if (known_too) content.known[i >> 6] &= others;
+    }
   };
-  if (std::any_of(keep_out_.begin(), keep_out_.end(), within)) return Ground::kNo;
-  if (grid_.traversable(c)) return Ground::kKnown;
-  if (!request_.through_unknown || grid_.map().blocked(grid_.key(c))) return Ground::kNo;
-  return std::any_of(request_.avoid.begin(), request_.avoid.end(), within) ? Ground::kNo
-                                                                           : Ground::kUnknown;
+  for (const map::Sphere& s : keep_out_) cut(s, true);
+  for (const map::Sphere& s : request_.avoid) cut(s, false);
 }
 
 Ground Search::ground(Cell c) {
   if (!grid_.holds(c)) return Ground::kNo;
-  std::uint8_t& state = pool_.at(grid_.block(c)).state[Grid::local(c)];
-  if (state >> 6 == 0)
-    state = static_cast<std::uint8_t>(state | static_cast<unsigned>(judge(c)) << 6);
-  return static_cast<Ground>(state >> 6);
-}
-
-std::uint32_t Search::passable_around(Cell c, std::uint32_t& unknown) {
-  unknown = 0;
-  if (keep_out_.empty() && !request_.through_unknown) return grid_.around(c);
-  std::uint32_t bits = 0;
-  for (int i = 0; i < kSteps; ++i) {
-    const Step& step = steps()[static_cast<std::size_t>(i)];
-    const Ground g = ground({c.x + step.dx, c.y + step.dy, c.z + step.dz});
-    if (g == Ground::kKnown || g == Ground::kUnknown) bits |= 1u << i;
-    if (g == Ground::kUnknown) unknown |= 1u << i;
-  }
-  return bits;
+  const Content& here = content(grid_.block(c));
+  const std::uint32_t i = Grid::local(c);
+  if (here.known[i >> 6] >> (i & 63) & 1) return Ground::kKnown;
+  return here.unknown[i >> 6] >> (i & 63) & 1 ? Ground::kUnknown : Ground::kNo;
 }
 
 std::uint32_t Search::estimate(Cell c) const {
-  std::array<int, 3> d{std::abs(c.x - request_.goal.x), std::abs(c.y - request_.goal.y),
-                       std::abs(c.z - request_.goal.z)};
-  std::sort(d.begin(), d.end());
-  const auto h = kCost[3] * static_cast<std::uint32_t>(d[0]) +
-                 kCost[2] * static_cast<std::uint32_t>(d[1] - d[0]) +
-                 kCost[1] * static_cast<std::uint32_t>(d[2] - d[1]);
+  const int x = std::abs(c.x - request_.goal.x), y = std::abs(c.y - request_.goal.y),
+            z = std::abs(c.z - request_.goal.z);
+  const int least = std::min({x, y, z}), most = std::max({x, y, z}),
+            middle = x + y + z - least - most;
+  const auto h = kCost[3] * static_cast<std::uint32_t>(least) +
+                 kCost[2] * static_cast<std::uint32_t>(middle - least) +
+                 kCost[1] * static_cast<std::uint32_t>(most - middle);
   return h > goal_slack_ ? h - goal_slack_ : 0;
 }
 
@@ -94,17 +98,21 @@ bool Search::at_goal(Cell c) const {
 
 void Search::push(Cell c, std::uint32_t cost, int step) {
   const std::uint32_t block = grid_.block(c), local = Grid::local(c);
-  Content& content = pool_.at(block);
-  if (content.state[local] & 32 || content.cost[local] <= cost) return;
-  content.cost[local] = cost;
-  content.state[local] = static_cast<std::uint8_t>((content.state[local] & 0xE0) | step);
+  Content& there = content(block);
+  if (there.state[local] & 32 || there.cost[local] <= cost) return;
+  there.cost[local] = cost;
+  there.state[local] = static_cast<std::uint8_t>((there.state[local] & 0xE0) | step);
   buckets_[(cost + estimate(c)) % kBuckets].push_back(std::uint64_t{block} << 12 | local);
   ++queued_;
 }
 
 void Search::expand(Cell c, std::uint32_t cost) {
-  std::uint32_t unknown = 0;
-  const std::uint32_t around = passable_around(c, unknown);
+  const std::uint32_t unknown =
+      request_.through_unknown
+          ? gather(c, [&](Cell n) { return content(grid_.block(n)).unknown.data(); })
+          : 0;
+  const std::uint32_t around =
+      unknown | gather(c, [&](Cell n) { return content(grid_.block(n)).known.data(); });
   const std::uint32_t here = around == kAllAround ? 8 : kTightEighths;
   for (std::uint32_t tries = around & ~(1u << kNoStep); tries != 0; tries &= tries - 1) {
     const int number = std::countr_zero(tries);
@@ -123,8 +131,7 @@ void Search::expand(Cell c, std::uint32_t cost) {
 void Search::trace(Cell c) {
   for (;;) {
     way_.push_back(c);
-    const Content& content = pool_.at(grid_.block(c));
-    const int number = content.state[Grid::local(c)] & 31;
+    const int number = content(grid_.block(c)).state[Grid::local(c)] & 31;
     if (number == kNoStep) break;
     const Step& step = steps()[static_cast<std::size_t>(number)];
     c = {c.x - step.dx, c.y - step.dy, c.z - step.dz};
@@ -146,16 +153,16 @@ SearchEnd Search::run(const SearchRequest& request) {
     bucket.pop_back();
     --queued_;
     const auto local = static_cast<std::uint32_t>(id & 4095);
-    Content& content = pool_.at(static_cast<std::uint32_t>(id >> 12));
-    if (content.state[local] & 32) continue;
-    content.state[local] |= 32;
+    Content& here = content(static_cast<std::uint32_t>(id >> 12));
+    if (here.state[local] & 32) continue;
+    here.state[local] |= 32;
     const Cell cell = grid_.cell_of(id);
     if (at_goal(cell)) {
       trace(cell);
       return SearchEnd::kFound;
     }
     if (++expansions > request.max_expansions) return SearchEnd::kLimit;
-    expand(cell, content.cost[local]);
+    expand(cell, here.cost[local]);
   }
   return SearchEnd::kNoWay;
 }

@@ -9,7 +9,7 @@
 namespace muster::nav {
 
 /// What a voxel is to one search.
-enum class Ground : std::uint8_t { kNotAsked = 0, kNo = 1, kKnown = 2, kUnknown = 3 };
+enum class Ground : std::uint8_t { kNo, kKnown, kUnknown };
 
 struct SearchRequest {
   Cell start, goal;
@@ -43,7 +43,8 @@ class Search {
  private:
   struct Content {
     std::array<std::uint32_t, 4096> cost;
-    std::array<std::uint8_t, 4096> state;  ///< bits 0–4: step that led here, 5: closed, 6–7: Ground
+    std::array<std::uint8_t, 4096> state;          ///< bits 0–4: step that led here, 5: closed
+    std::array<std::uint64_t, 64> known, unknown;  ///< what may be entered
     void clear() {
       cost.fill(0xFFFFFFFFu);
       state.fill(0);
@@ -51,8 +52,13 @@ class Search {
   };
   static constexpr std::uint32_t kBuckets = 4096;
 
-  Ground judge(Cell c) const;
-  std::uint32_t passable_around(Cell c, std::uint32_t& unknown);
+  Content& content(std::uint32_t block) {
+    bool fresh = false;
+    Content& content = pool_.at(block, fresh);
+    if (fresh) survey(block, content);
+    return content;
+  }
+  void survey(std::uint32_t block, Content& content);
   std::uint32_t estimate(Cell c) const;
   bool at_goal(Cell c) const;
   void push(Cell c, std::uint32_t cost, int step);
