@@ -1,5 +1,6 @@
 #include "common/nav/search.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -10,10 +11,13 @@ namespace {
 constexpr std::array<std::uint32_t, 4> kCost{0, 100, 141,
                                              173};  ///< hundredths of a voxel's edge, by axes
 constexpr double kUnitsPerEdge = 100;
+constexpr std::uint8_t kStep = 31, kClosed = 32, kConnected = 64;
+constexpr Cell kFaces[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
 constexpr std::uint32_t kTightEighths = 10;  ///< a voxel beside something costs a quarter more
 constexpr std::uint32_t kSteepEighths =
     12;  ///< climbing through unknown space, where the camera does not look
-constexpr double kMaxUnknownFactor = 8;
+constexpr std::uint32_t kDoubtAfter = 2000;  ///< expansions: maybe there is no way at all
+constexpr double kMaxUnknownFactor = 6;      ///< the dearest step and back fit into the buckets
 
 }  // namespace
 
@@ -39,6 +43,14 @@ void Search::prepare(const SearchRequest& request) {
     // Near somebody already: away from there is allowed, nearer is not.
     const double grown = sphere.radius_m + config.body_radius_m + config.clearance_m;
     sphere.radius_m = std::min(grown, (start - sphere.center).norm() - edge / 4);
+  }
+  heap_.clear();
+  connected_.clear();
+  met_ = false;
+  eager_ = request.through_unknown && ground(request.goal) != Ground::kKnown;
+  for (int axes = 1; axes <= 3; ++axes) {
+    level_[static_cast<std::size_t>(axes)] = price(axes, 8, eager_, false);
+    steep_[static_cast<std::size_t>(axes)] = price(axes, 8, eager_, true);
   }
 }
 
@@ -79,14 +91,26 @@ Ground Search::ground(Cell c) {
   return here.unknown[i >> 6] >> (i & 63) & 1 ? Ground::kUnknown : Ground::kNo;
 }
 
+std::uint32_t Search::price(int axes, std::uint32_t eighths, bool unknown, bool steep) const {
+  std::uint32_t price = kCost[static_cast<std::size_t>(axes)] * eighths / 8;
+  if (unknown) price = price * unknown_eighths_ / 8;
+  if (unknown && steep) price = price * kSteepEighths / 8;
+  return price;
+}
+
+/// What the way to the goal costs where nothing is in its way: as many steps along all three axes
+/// as there can be, then along two, then straight.
 std::uint32_t Search::estimate(Cell c) const {
   const int x = std::abs(c.x - request_.goal.x), y = std::abs(c.y - request_.goal.y),
             z = std::abs(c.z - request_.goal.z);
-  const int least = std::min({x, y, z}), most = std::max({x, y, z}),
-            middle = x + y + z - least - most;
-  const auto h = kCost[3] * static_cast<std::uint32_t>(least) +
-                 kCost[2] * static_cast<std::uint32_t>(middle - least) +
-                 kCost[1] * static_cast<std::uint32_t>(most - middle);
+  const int near = std::min(x, y), far = std::max(x, y);
+  const int three = std::min(near, z), steep_two = std::min(far, z) - three, two = near - three,
+            steep_one = z - three - steep_two, one = far - three - steep_two - two;
+  const auto cost = [](int steps, std::uint32_t price) {
+    return static_cast<std::uint32_t>(steps) * price;
+  };
+  const std::uint32_t h = cost(three, steep_[3]) + cost(steep_two, steep_[2]) +
+                          cost(two, level_[2]) + cost(steep_one, steep_[1]) + cost(one, level_[1]);
   return h > goal_slack_ ? h - goal_slack_ : 0;
 }
 
@@ -99,11 +123,46 @@ bool Search::at_goal(Cell c) const {
 void Search::push(Cell c, std::uint32_t cost, int step) {
   const std::uint32_t block = grid_.block(c), local = Grid::local(c);
   Content& there = content(block);
-  if (there.state[local] & 32 || there.cost[local] <= cost) return;
+  if (there.state[local] & kClosed || there.cost[local] <= cost) return;
   there.cost[local] = cost;
-  there.state[local] = static_cast<std::uint8_t>((there.state[local] & 0xE0) | step);
-  buckets_[(cost + estimate(c)) % kBuckets].push_back(std::uint64_t{block} << 12 | local);
-  ++queued_;
+  there.state[local] = static_cast<std::uint8_t>((there.state[local] & ~kStep) | step);
+  const std::uint64_t id = std::uint64_t{block} << 12 | local;
+  const std::uint32_t total = cost + estimate(c);
+  if (eager_) {
+    heap_.push_back({std::uint64_t{total} << 32 | aside(c), id});
+    std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
+  } else {
+    buckets_[total % kBuckets].push_back(id);
+    ++queued_;
+  }
+}
+
+/// The voxel to be expanded next; nullopt when there is none.
+std::optional<std::uint64_t> Search::pop() {
+  std::uint64_t id = 0;
+  if (eager_) {
+    if (heap_.empty()) return std::nullopt;
+    std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
+    id = heap_.back().second;
+    heap_.pop_back();
+  } else {
+    if (queued_ == 0) return std::nullopt;
+    while (buckets_[now_ % kBuckets].empty()) ++now_;
+    id = buckets_[now_ % kBuckets].back();
+    buckets_[now_ % kBuckets].pop_back();
+    --queued_;
+  }
+  return id;
+}
+
+/// How far from the straight between start and goal, in eighths of a voxel's edge.
+std::uint32_t Search::aside(Cell c) const {
+  const auto from_start = [&](Cell to) {
+    return Vec3(to.x - request_.start.x, to.y - request_.start.y, to.z - request_.start.z);
+  };
+  const Vec3 way = from_start(request_.goal);
+  const double length = std::max(1.0, way.norm());
+  return static_cast<std::uint32_t>(8 * way.cross(from_start(c)).norm() / length);
 }
 
 void Search::expand(Cell c, std::uint32_t cost) {
@@ -119,19 +178,46 @@ void Search::expand(Cell c, std::uint32_t cost) {
     const Step& step = steps()[static_cast<std::size_t>(number)];
     const std::uint32_t needs = step.needs & ~(1u << kNoStep);
     if ((around & needs) != needs) continue;
-    std::uint32_t price = kCost[static_cast<std::size_t>(step.axes)] * here / 8;
-    if (unknown & needs) {
-      price = price * unknown_eighths_ / 8;
-      if (step.dz != 0) price = price * kSteepEighths / 8;
-    }
-    push({c.x + step.dx, c.y + step.dy, c.z + step.dz}, cost + price, number);
+    push({c.x + step.dx, c.y + step.dy, c.z + step.dz},
+         cost + price(step.axes, here, unknown & needs, step.dz != 0), number);
   }
+}
+
+void Search::connect(Cell c) {
+  if (ground(c) == Ground::kNo) return;
+  std::uint8_t& state = content(grid_.block(c)).state[Grid::local(c)];
+  if (state & kConnected) return;
+  met_ = met_ || state & kClosed;
+  state |= kConnected;
+  connected_.push_back(grid_.id(c));
+}
+
+/// A search that takes long fills the place from the goal as well, voxel for voxel: where the goal
+/// is walled in, that ends soon. What 6 neighbours connect is what all 26 do (no corner is cut).
+bool Search::sealed() {
+  if (connected_.empty()) {
+    const int reach =
+        static_cast<int>(std::ceil(request_.goal_tolerance_m / grid_.map().config().resolution_m));
+    for (int dz = -reach; dz <= reach; ++dz) {
+      for (int dy = -reach; dy <= reach; ++dy) {
+        for (int dx = -reach; dx <= reach; ++dx) {
+          const Cell c{request_.goal.x + dx, request_.goal.y + dy, request_.goal.z + dz};
+          if (at_goal(c)) connect(c);
+        }
+      }
+    }
+  } else {
+    const Cell c = grid_.cell_of(connected_.back());
+    connected_.pop_back();
+    for (const Cell& f : kFaces) connect({c.x + f.x, c.y + f.y, c.z + f.z});
+  }
+  return connected_.empty() && !met_;
 }
 
 void Search::trace(Cell c) {
   for (;;) {
     way_.push_back(c);
-    const int number = content(grid_.block(c)).state[Grid::local(c)] & 31;
+    const int number = content(grid_.block(c)).state[Grid::local(c)] & kStep;
     if (number == kNoStep) break;
     const Step& step = steps()[static_cast<std::size_t>(number)];
     c = {c.x - step.dx, c.y - step.dy, c.z - step.dz};
@@ -141,27 +227,22 @@ void Search::trace(Cell c) {
 
 SearchEnd Search::run(const SearchRequest& request) {
   prepare(request);
+  now_ = estimate(request.start);
   push(request.start, 0, kNoStep);
   std::uint32_t expansions = 0;
-  for (std::uint32_t level = estimate(request.start); queued_ > 0;) {
-    auto& bucket = buckets_[level % kBuckets];
-    if (bucket.empty()) {
-      ++level;
-      continue;
-    }
-    const std::uint64_t id = bucket.back();
-    bucket.pop_back();
-    --queued_;
+  while (const auto next = pop()) {
+    const std::uint64_t id = *next;
     const auto local = static_cast<std::uint32_t>(id & 4095);
     Content& here = content(static_cast<std::uint32_t>(id >> 12));
-    if (here.state[local] & 32) continue;
-    here.state[local] |= 32;
+    if (here.state[local] & kClosed) continue;
+    here.state[local] |= kClosed;
     const Cell cell = grid_.cell_of(id);
     if (at_goal(cell)) {
       trace(cell);
       return SearchEnd::kFound;
     }
     if (++expansions > request.max_expansions) return SearchEnd::kLimit;
+    if (expansions >= kDoubtAfter && !met_ && sealed()) return SearchEnd::kNoWay;
     expand(cell, here.cost[local]);
   }
   return SearchEnd::kNoWay;
