@@ -10,9 +10,93 @@ namespace {
 constexpr std::array<std::uint32_t, 4> kCost{0, 10, 14, 17};  ///< tenths of a voxel's edge, by axes
 constexpr double kUnitsPerEdge = 10;
 
+/// A step from one of the 27 voxels of a neighbourhood to another.
+struct Link {
+  std::uint32_t needs;  ///< voxels that must be free, as neighbour bits
+  int to, axes;
+};
+
+/// All steps within a neighbourhood that do not touch its centre, by where they begin.
+const std::array<std::vector<Link>, kSteps>& links() {
+  static const std::array<std::vector<Link>, kSteps> all = [] {
+    std::array<std::vector<Link>, kSteps> result;
+    const auto inside = [](int v) { return v >= -1 && v <= 1; };
+    for (const Step& from : steps()) {
+      for (const Step& step : steps()) {
+        const int x = from.dx + step.dx, y = from.dy + step.dy, z = from.dz + step.dz;
+        if (step.axes == 0 || !inside(x) || !inside(y) || !inside(z)) continue;
+        Link link{0, detail::step_number(x, y, z), step.axes};
+        for (int i = 0; i < kSteps; ++i) {
+          const Step& part = steps()[static_cast<std::size_t>(i)];
+          if (!(step.needs >> i & 1)) continue;
+          link.needs |=
+              1u << detail::step_number(from.dx + part.dx, from.dy + part.dy, from.dz + part.dz);
+        }
+        const auto begin = detail::step_number(from.dx, from.dy, from.dz);
+        if (begin != kNoStep && link.to != kNoStep)
+          result[static_cast<std::size_t>(begin)].push_back(link);
+      }
+    }
+    return result;
+  }();
+  return all;
+}
+
+/// The steps from a voxel, entered by `step`, that are worth trying with these neighbours free.
+std::uint32_t worth_trying(int step, std::uint32_t around) {
+  const std::uint32_t all = around & ~(1u << kNoStep);
+  if (step == kNoStep) return all;
+  if (around == kAllAround) return steps()[static_cast<std::size_t>(step)].onward;
+  const Step& came = steps()[static_cast<std::size_t>(step)];
+  const int from = detail::step_number(-came.dx, -came.dy, -came.dz);
+  // Shortest ways around the voxel from where the step began, and the most axes that the first
+  // step of one has: 27 voxels, settled in order of distance.
+  constexpr std::uint32_t kFar = 1000;
+  std::array<std::uint32_t, kSteps> cost;
+  std::array<int, kSteps> first{};
+  cost.fill(kFar);
+  cost[static_cast<std::size_t>(from)] = 0;
+  std::uint32_t open = 1u << from;
+  while (open != 0) {
+    int next = std::countr_zero(open);
+    for (std::uint32_t rest = open & (open - 1); rest != 0; rest &= rest - 1) {
+      const int i = std::countr_zero(rest);
+      if (cost[static_cast<std::size_t>(i)] < cost[static_cast<std::size_t>(next)]) next = i;
+    }
+    open &= ~(1u << next);
+    const auto at = static_cast<std::size_t>(next);
+    for (const Link& link : links()[at]) {
+      if ((around & link.needs) != link.needs) continue;
+      const auto to = static_cast<std::size_t>(link.to);
+      const std::uint32_t then = cost[at] + kCost[static_cast<std::size_t>(link.axes)];
+      const int begins = next == from ? link.axes : first[at];
+      if (then > cost[to] || (then == cost[to] && begins <= first[to])) continue;
+      cost[to] = then;
+      first[to] = begins;
+      open |= 1u << link.to;
+    }
+  }
+  std::uint32_t worth = 0;
+  for (std::uint32_t tries = all; tries != 0; tries &= tries - 1) {
+    const auto to = static_cast<std::size_t>(std::countr_zero(tries));
+    const std::uint32_t through = kCost[static_cast<std::size_t>(came.axes)] +
+                                  kCost[static_cast<std::size_t>(steps()[to].axes)];
+    if (cost[to] < through || (cost[to] == through && first[to] > came.axes)) continue;
+    worth |= 1u << to;
+  }
+  return worth;
+}
+
 }  // namespace
 
-Flood::Flood(Grid& grid) : grid_(grid), pool_(grid.blocks()) {}
+Flood::Flood(Grid& grid) : grid_(grid), pool_(grid.blocks()), worth_(kRemembered) {}
+
+std::uint32_t Flood::worth(int step, std::uint32_t around) {
+  const std::uint32_t key = around | static_cast<std::uint32_t>(step) << kSteps;
+  Worth& remembered = worth_[key * 2654435761u >> 20];
+  if (remembered.around != key) remembered = {key, worth_trying(step, around)};
+  return remembered.steps;
+}
 
 void Flood::start(Cell from, double max_length_m) {
   pool_.clear();
@@ -51,9 +135,7 @@ void Flood::expand(std::uint64_t id) {
   if (content.cost[local] < cost_) return;
   const Cell cell = grid_.cell_of(id);
   const std::uint32_t around = grid_.around(cell);
-  std::uint32_t tries =
-      around == kAllAround ? steps()[content.step[local]].onward : around & ~(1u << kNoStep);
-  for (; tries != 0; tries &= tries - 1) {
+  for (std::uint32_t tries = worth(content.step[local], around); tries != 0; tries &= tries - 1) {
     const int number = std::countr_zero(tries);
     const Step& step = steps()[static_cast<std::size_t>(number)];
     if ((around & step.needs & ~(1u << kNoStep)) != (step.needs & ~(1u << kNoStep))) continue;
