@@ -260,6 +260,89 @@ TEST_CASE("transit goes through unknown space but hands out only the known part 
   CHECK(other.path->points != transit.path->points);
 }
 
+TEST_CASE("transit to a far unknown goal costs hardly more than the straight") {
+  map::MapConfig config;
+  config.bounds = Box::from_corners(Vec3(-20, -20, -1), Vec3(140, 60, 20));
+  KnownMap ball({0, 0, 0}, {12, 12, 12}, config);
+  const Vec3 start(1, 1, 1), goal(120, 40, 2);
+  PathFinder few(ball.map(), 3000);  // an exact search needs millions
+  const auto transit = few.find_through_unknown(start, goal, 0.3);
+  REQUIRE(transit.path);
+  CHECK(transit.path->length_m() < 1.1 * (goal - start).norm());
+  REQUIRE(transit.known.points.size() >= 2);
+  const Vec3 first = (transit.known.points.back() - start).normalized();
+  CHECK(first.dot((goal - start).normalized()) > 0.6);
+}
+
+TEST_CASE("an unknown goal that is walled in is found out from within") {
+  map::MapConfig config;
+  config.bounds = Box::from_corners(Vec3(-60, -60, -1), Vec3(60, 60, 20));
+  KnownMap tomb({0, 0, 0}, {80, 20, 20}, config);
+  for (int z = 0; z < 20; ++z) {
+    for (int y = 0; y < 20; ++y) {
+      for (int x = 50; x < 70; ++x) {
+        const bool inside = x > 51 && x < 68 && y > 1 && y < 18 && z > 1 && z < 18;
+        tomb.set({x, y, z}, inside ? map::Voxel::kUnknown : map::Voxel::kOccupied);
+      }
+    }
+  }
+  PathFinder finder(tomb.map(), 12'000);  // the open around it has millions of voxels
+  const auto transit = finder.find_through_unknown(Vec3(2, 2, 2), Vec3(12, 2, 2), 0.3);
+  CHECK_FALSE(transit.path);
+  CHECK(transit.reason == "no way");
+}
+
+TEST_CASE(
+    "what a block without a single known voxel blocks is what its neighbours and bounds say") {
+  Random random(3, RobotId{0}, "edge");
+  map::MapConfig config;
+  config.bounds = Box::from_corners(Vec3(-3.7, -9.1, -1), Vec3(9.3, 12, 9));
+  KnownMap bounded({0, 0, 0}, {32, 32, 16}, config);
+  for (int i = 0; i < 300; ++i) {
+    const auto at = [&](int n) {
+      return static_cast<int>(random.below(static_cast<std::uint64_t>(n)));
+    };
+    bounded.occupy({at(32), at(32), at(16)});
+  }
+  const auto& map = bounded.map();
+  int unknown_blocks = 0;
+  for (int bz = -2; bz <= 3; ++bz) {
+    for (int by = -3; by <= 4; ++by) {
+      for (int bx = -3; bx <= 3; ++bx) {
+        if (map.view({bx, by, bz})) continue;
+        ++unknown_blocks;
+        const auto plane = map.blocked_where_unknown({bx, by, bz});
+        for (int i = 0; i < 4096; i += 7) {
+          const map::VoxelKey k{bx * 16 + (i & 15), by * 16 + (i >> 4 & 15), bz * 16 + (i >> 8)};
+          const bool bit = plane[static_cast<std::size_t>(i >> 6)] >> (i & 63) & 1;
+          if (bit != map.blocked(k)) FAIL(k.x << " " << k.y << " " << k.z);
+        }
+      }
+    }
+  }
+  CHECK(unknown_blocks > 100);
+}
+
+TEST_CASE("a change reaches searches also where it lies across a block's border") {
+  KnownMap hall({0, 0, 0}, {64, 16, 16});
+  auto& map = hall.map();
+  PathFinder finder(map);
+  CHECK(finder.find_through_unknown(Vec3(1, 1.5, 1.5), Vec3(20, 1.5, 1.5), 0.3).path);
+  // Unknown space beyond x = 12.8 is blocked by walls in the last known block only.
+  std::vector<map::Voxel> wall(4096, map::Voxel::kFree);
+  for (int i = 0; i < 4096; ++i) {
+    if ((i & 15) == 15) wall[static_cast<std::size_t>(i)] = map::Voxel::kOccupied;
+  }
+  map.merge(RobotId{98}, {3, 0, 0}, map::encode_block(wall));
+  PathFinder fresh(map);
+  const auto seen = finder.find_through_unknown(Vec3(1, 1.5, 1.5), Vec3(20, 1.5, 1.5), 0.3);
+  const auto anew = fresh.find_through_unknown(Vec3(1, 1.5, 1.5), Vec3(20, 1.5, 1.5), 0.3);
+  REQUIRE(seen.path.has_value() == anew.path.has_value());
+  if (seen.path) CHECK(seen.path->points == anew.path->points);
+  REQUIRE(seen.path);
+  for (const Vec3& p : seen.path->points) CHECK_FALSE(map.blocked(map.key(p)));
+}
+
 TEST_CASE("a search gives up at its limit and says so") {
   KnownMap hall({0, 0, 0}, {60, 60, 20});
   for (int y = 0; y < 55; ++y) {
