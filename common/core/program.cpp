@@ -1,5 +1,6 @@
 #include "common/core/program.h"
 
+#include <malloc.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -11,8 +12,22 @@
 #include "common/core/error.h"
 
 namespace muster {
+namespace {
+
+/// A process holds a dozen DDS threads that hardly ever allocate at the same time: an arena of
+/// 64 MB each, and freed megabytes that are kept, are what fifty processes do not have.
+void spare_memory() {
+#ifdef __GLIBC__
+  mallopt(M_ARENA_MAX, 2);
+  mallopt(M_MMAP_THRESHOLD, 256 * 1024);
+  mallopt(M_TRIM_THRESHOLD, 1024 * 1024);
+#endif
+}
+
+}  // namespace
 
 int run_program(const char* name, const std::function<int()>& body) {
+  spare_memory();
   try {
     return body();
   } catch (const BadInput& e) {

@@ -64,9 +64,10 @@ bool BlockStore::set_merged(Block& block, int i, Voxel state) {
   return true;
 }
 
-std::uint32_t BlockStore::merge_states(Block& block) {
+std::uint32_t BlockStore::merge_states(Block& block, std::uint64_t words) {
   std::uint32_t changed = 0;
-  for (std::size_t w = 0; w < 64; ++w) {
+  for (; words != 0; words &= words - 1) {
+    const auto w = static_cast<std::size_t>(std::countr_zero(words));
     std::uint64_t free = 0, occupied = 0;
     for (const auto& [author, states] : block.others) {
       free |= states->free[w];

@@ -26,8 +26,9 @@ class BlockStore {
 
   /// Sets one voxel of the merged map; true when that changed it.
   bool set_merged(Block& block, int i, Voxel state);
-  /// Recomputes the merged states of a block from own and others'; returns how many changed.
-  std::uint32_t merge_states(Block& block);
+  /// Recomputes the merged states of a block from own and others'; returns how many changed. Only
+  /// the `words` of its planes whose bits are set.
+  std::uint32_t merge_states(Block& block, std::uint64_t words = ~std::uint64_t{0});
   void own_changed(Block& block);
   /// Ends an operation: stamps what changed.
   void commit();

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "common/core/error.h"
+#include "common/map/block_codec.h"
 #include "common/map/block_store.h"
 #include "common/map/own_map.h"
 #include "common/map/watch.h"
@@ -200,7 +201,7 @@ Bytes VoxelMap::encode_own(BlockKey b) const {
 }
 
 void VoxelMap::merge(RobotId author, BlockKey b, ByteView zstd_2bit) {
-  const std::vector<Voxel> voxels = decode_block(zstd_2bit);
+  const States news = decode_states(zstd_2bit);
   constexpr int kFar = 1 << 20;  // what `pack` can number
   if (std::max({std::abs(b.x), std::abs(b.y), std::abs(b.z)}) >= kFar) {
     throw BadInput("map block: ix, iy, iz: must be within ±1048575");
@@ -208,13 +209,14 @@ void VoxelMap::merge(RobotId author, BlockKey b, ByteView zstd_2bit) {
   Block* block = impl_->blocks.obtain(b);
   if (!block) return;
   std::unique_ptr<States>& states = block->others[author];
-  states = std::make_unique<States>();
-  for (int i = 0; i < kBlockVoxels; ++i) {
-    const Voxel v = voxels[static_cast<std::size_t>(i)];
-    if (v == Voxel::kFree) put(states->free, i, true);
-    if (v == Voxel::kOccupied) put(states->occupied, i, true);
+  if (!states) states = std::make_unique<States>();
+  std::uint64_t differ = 0;
+  for (std::size_t w = 0; w < 64; ++w) {
+    const bool same = states->free[w] == news.free[w] && states->occupied[w] == news.occupied[w];
+    differ |= std::uint64_t{!same} << w;
   }
-  impl_->blocks.merge_states(*block);
+  *states = news;
+  impl_->blocks.merge_states(*block, differ);
   impl_->blocks.commit();
 }
 
