@@ -12,8 +12,9 @@ MemoryFleet::MemoryFleet(const mission::Mission& mission, ProcessFactory factory
                          const world::FlightConfig& config)
     : MemoryFleet(mission, world::Scene::load(mission), std::move(factory), config) {}
 
-MemoryFleet::MemoryFleet(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene,
-                         ProcessFactory factory, const world::FlightConfig& config)
+MemoryFleet::MemoryFleet(const mission::Mission& mission,
+                         const std::shared_ptr<const world::Scene>& scene, ProcessFactory factory,
+                         const world::FlightConfig& config)
     : mission_(mission),
       factory_(std::move(factory)),
       out_(config.out),

@@ -62,7 +62,7 @@ class MemoryFleet {
   std::vector<mission::Message> commands_;
   std::uint64_t k_ = 0;
 
-  MemoryFleet(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene,
+  MemoryFleet(const mission::Mission& mission, const std::shared_ptr<const world::Scene>& scene,
               ProcessFactory factory, const world::FlightConfig& config);
 };
 
