@@ -145,6 +145,7 @@ struct PathFinder::Impl {
   std::vector<Vec3> points_of(const std::vector<Cell>& way, const Vec3& start,
                               const Vec3& goal) const {
     std::vector<Vec3> points;
+    points.reserve(way.size() + 1);
     for (const Cell& c : way) points.push_back(grid.center(c));
     if (cell(start) == way.front()) points.front() = start;
     if (cell(goal) == way.back()) points.back() = goal;
