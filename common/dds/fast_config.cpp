@@ -124,7 +124,10 @@ fast::DataWriterQos fast_writer_qos(bool reliable, int depth) {
   fast::DataWriterQos qos = fast::DATAWRITER_QOS_DEFAULT;
   set_common(qos, reliable, depth);
   qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
-  qos.reliability().max_blocking_time = Duration_t{0, 100'000'000};
+  // Nothing blocks a writer but locks of its own process (keep-last). Where the machine is busy, a
+  // thread that holds one may not run for long: not a reason to refuse a message, nor to skip the
+  // heartbeat that would have it repeated, which Fast does silently when this time is over.
+  qos.reliability().max_blocking_time = reliable ? kMission : Duration_t{0, 100'000'000};
   // Asking for an acknowledgement with every sample halves the rate of the barrier; loss on
   // loopback is rare, so ask now and then.
   qos.reliable_writer_qos().disable_heartbeat_piggyback = true;

@@ -51,6 +51,7 @@ class RobotLockstep {
   WriterSet commands_, up_, done_bus_, done_air_;
 
   mission::Tick tick_;
+  mission::Done answer_ = ready();  ///< to the last tick that was answered
   bool started_ = false, tick_is_new_ = false;
   Inbox::Clock::time_point world_heard_;
   std::vector<mission::Message> bus_in_, air_in_;
@@ -109,10 +110,11 @@ class RadioLockstep {
   bool must_rematch_ = true;
 
   mission::Tick tick_;
+  mission::Done answer_ = ready();  ///< to the last tick that was answered
   bool started_ = false, tick_is_new_ = false;
   Inbox::Clock::time_point world_heard_;
   std::map<std::uint64_t, mission::Truth> truths_;
-  std::map<RobotId, std::uint32_t> announced_;  ///< of this tick
+  std::map<RobotId, mission::Done> answers_;  ///< of the robots, each the last one heard
   std::map<RobotId, std::vector<mission::Message>> sent_;
 };
 

@@ -101,6 +101,8 @@ void RadioLockstep::take(Clock::time_point deadline) {
       world_heard_ = Clock::now();
       auto tick = decode<mission::Tick>(message);
       if (tick.phase == mission::TickPhase::kFailed) throw WorldEnded(tick.note, true);
+      // Said again: nothing must hang on one message.
+      if (started_ && tick.k == tick_.k && answer_.k == tick.k) say_done(answer_);
       if (!started_ || tick.k > tick_.k || tick.phase == mission::TickPhase::kEnd) {
         tick_ = std::move(tick);
         tick_is_new_ = true;
@@ -109,11 +111,11 @@ void RadioLockstep::take(Clock::time_point deadline) {
       auto truth = decode<mission::Truth>(message);
       truths_[truth.k] = std::move(truth);
     } else if (message.cls == MessageClass::kDone) {
-      const auto done = decode<mission::Done>(message);
+      auto done = decode<mission::Done>(message);
       if (done.k == kReady) {
         ready_.insert(done.process);
       } else {
-        announced_[done.process] = done.sent_air;
+        answers_[done.process] = std::move(done);
       }
     } else {
       sent_[peek_envelope(message.cdr).src].push_back(std::move(message));
@@ -162,8 +164,9 @@ bool RadioLockstep::has_everything() {
   if (!truths_.contains(tick_.k)) return false;
   return std::all_of(tick_.alive.begin(), tick_.alive.end(), [&](RobotId robot) {
     if (!down_.contains(robot)) return true;
-    const auto announced = announced_.find(robot);
-    return announced != announced_.end() && sent_[robot].size() >= announced->second;
+    const auto answer = answers_.find(robot);
+    return answer != answers_.end() && answer->second.k == tick_.k &&
+           sent_[robot].size() >= answer->second.sent_air;
   });
 }
 
@@ -195,7 +198,6 @@ std::string RadioLockstep::run(const Callbacks& callbacks) {
     std::erase_if(sent_, [](const auto& entry) { return entry.second.empty(); });
     const Output output = callbacks.step(truths_.at(tick_.k), sent_);
     sent_.clear();
-    announced_.clear();
     truths_.erase(truths_.begin(), truths_.upper_bound(tick_.k));
 
     mission::Done done;
@@ -208,7 +210,8 @@ std::string RadioLockstep::run(const Callbacks& callbacks) {
       done.deliveries.push_back(
           {.process = robot, .bus = 0, .air = static_cast<std::uint32_t>(messages.size())});
     }
-    say_done(std::move(done));
+    answer_ = std::move(done);
+    say_done(answer_);
   }
 }
 

@@ -19,6 +19,8 @@ using Clock = Inbox::Clock;
 namespace {
 
 constexpr auto kSayBusy = std::chrono::seconds(1);
+/// All that is announced is on its way already; what takes so long is worth a line in the log.
+constexpr auto kOdd = std::chrono::seconds(3);
 /// How often a robot that waits looks whether it was asked to stop.
 constexpr auto kLookForStop = std::chrono::milliseconds(200);
 /// Until the first tick, readiness is said again this often: the first time may fall before the
@@ -60,7 +62,9 @@ void RobotLockstep::sort_in(std::vector<Message>&& messages) {
       auto tick = decode<mission::Tick>(message);
       const bool mine = std::find(tick.alive.begin(), tick.alive.end(), self_) != tick.alive.end();
       if (tick.phase == mission::TickPhase::kFailed) throw WorldEnded(tick.note, true);
-      // A tick is said again every second, so that silence means that the world is gone.
+      // A tick is said again every second, so that silence means that the world is gone. Who has
+      // answered it answers again: nothing must hang on one message.
+      if (started_ && tick.k == tick_.k && answer_.k == tick.k) say_done(answer_);
       if ((!started_ || tick.k > tick_.k || tick.phase == mission::TickPhase::kEnd) && mine) {
         tick_ = std::move(tick);
         tick_is_new_ = true;
@@ -117,7 +121,11 @@ void RobotLockstep::await_inputs(const volatile std::sig_atomic_t& stop) {
                                  [&](const auto& e) { return e.process == self_; });
   const std::size_t bus = mine == tick_.expect.end() ? 0 : mine->bus;
   const std::size_t air = mine == tick_.expect.end() ? 0 : mine->air;
-  auto deadline = in(config_.missing);
+  const auto lacks = [&] {
+    return fmt::format("tick {}: robot {} has {} of {} bus samples and {} of {} radio messages",
+                       tick_.k, self_.value, bus_in_.size(), bus, air_in_.size(), air);
+  };
+  auto deadline = in(config_.missing), odd = in(kOdd);
   while ((bus_in_.size() < bus || air_in_.size() < air) && !stop) {
     auto messages = inbox_.take(std::min(deadline, Clock::now() + kLookForStop));
     if (!messages.empty()) {
@@ -127,10 +135,10 @@ void RobotLockstep::await_inputs(const volatile std::sig_atomic_t& stop) {
       if (!only_ticks) deadline = in(config_.missing);
       sort_in(std::move(messages));
     }
-    if (Clock::now() >= deadline) {
-      throw Failure(
-          fmt::format("tick {}: robot {} has {} of {} bus samples and {} of {} radio messages",
-                      tick_.k, self_.value, bus_in_.size(), bus, air_in_.size(), air));
+    if (Clock::now() >= deadline) throw Failure(lacks());
+    if (Clock::now() >= odd) {
+      log::warn("still waiting: {}", lacks());
+      odd = deadline;
     }
   }
 }
@@ -147,7 +155,8 @@ void RobotLockstep::send(mission::StepOutput&& output) {
   done.activity = output.activity;
   done.cpu_ms = static_cast<float>(1e3 * cpu_of_process_s());
   done.planning = std::move(output.planning);
-  say_done(std::move(done));
+  answer_ = std::move(done);
+  say_done(answer_);
 }
 
 /// While one step takes long, the world hears so every second.

@@ -18,6 +18,9 @@ using Clock = Inbox::Clock;
 namespace {
 
 constexpr auto kKeepSaying = std::chrono::seconds(1);
+/// Who is silent for so long in the middle of a tick is named in the log: even one that works long
+/// says so every second.
+constexpr auto kOdd = std::chrono::seconds(3);
 
 template <class Ids>
 std::string list(const Ids& ids) {
@@ -101,6 +104,8 @@ void WorldLockstep::take(Clock::time_point deadline) {
         }
       } else if (done.k == kBusy) {
         ++busy_heard_;
+      } else if (done.k != tick_.k) {
+        continue;  // an answer that was said again
       } else if (radio) {
         radio_done_ = std::move(done);
       } else {
@@ -130,18 +135,24 @@ void WorldLockstep::drop(RobotId robot) {
 template <class Complete, class Missing>
 void WorldLockstep::await(std::chrono::duration<double> patience, const Complete& complete,
                           const Missing& missing) {
-  auto deadline = in(patience);
   const auto last = in(std::max(patience, config_.busy));
+  auto deadline = in(patience), odd = in(kOdd);
   while (!complete()) {
     const auto seen = [&] {
       return dones_.size() + commands_in_.size() + ear_in_.size() + ready_.size() + busy_heard_;
     };
     const auto before = seen();
-    take(deadline);
-    if (seen() != before) deadline = std::min(in(patience), last);
-    if (Clock::now() >= deadline) {
+    take(std::min(deadline, odd));
+    if (seen() != before) {
+      deadline = std::min(in(patience), last);
+      odd = in(kOdd);
+    }
+    const auto now = Clock::now();
+    if (now >= deadline) {
       throw Failure(fmt::format("nothing new for {:.0f} s: {}", patience.count(), missing()));
     }
+    if (now >= odd && patience <= config_.missing) log::warn("still waiting: {}", missing());
+    if (now >= odd) odd = deadline;
   }
 }
 
@@ -201,6 +212,9 @@ void WorldLockstep::announce(std::uint64_t k) {
         {.process = robot, .bus = bus_counts_[robot], .air = air_counts_[robot]});
   bus_counts_.clear();
   air_counts_.clear();
+  // Answers to the tick before may have been said again since they were taken.
+  dones_.clear();
+  radio_done_.reset();
   write_tick();
 }
 
