@@ -11,8 +11,10 @@ namespace muster::agent {
 namespace {
 
 constexpr double kBlockedPose_s = 4;
-constexpr int kMaxAttempts = 20;  // looks in vain before an area is reported as not to be seen
-constexpr int kLeastAttempts = 5;
+// Refusals where no feature is known: one is there, and can be seen from somewhere.
+constexpr int kMaxLooks = 60;
+constexpr int kMaxTries = 20;  // to find a pose at all
+constexpr int kLeastTries = 5;
 constexpr double kRetryUnexplored_s = 60;
 // Of a refusal: a body in the way, or a surface that lies otherwise than it seems.
 constexpr double kMisled = 0.2;
@@ -120,15 +122,7 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
     const bool stuck = (k.now() - moved_at_).s() > kStuck_s;
     if (refused || hidden || stuck || progress.blocked_s > kBlockedPose_s) give_up_pose(k, refused);
   }
-  if (!current_ && k.now() >= look_again_) {
-    for (const mission::AreaRef& ref : o.areas) {
-      const auto wait_until = not_before_.find(ref);
-      if (wait_until != not_before_.end() && k.now() < wait_until->second) continue;
-      if (choose_pose(k, ref)) break;
-      if (current_) break;
-    }
-    if (!current_) look_again_ = k.now() + Duration::from_s(1.0);
-  }
+  if (!current_ && k.now() >= look_again_) next_area(k, o.areas);
   robot::Intent intent;
   intent.activity = mission::Activity::kTravelling;
   if (!current_) {
@@ -154,10 +148,23 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
   return intent;
 }
 
+/// In the order given; one that has been looked at in vain comes after those that have been less.
+void Slei3dInspector::next_area(robot::Knowledge& k, std::vector<mission::AreaRef> areas) {
+  std::stable_sort(areas.begin(), areas.end(), [&](const auto& a, const auto& b) {
+    return efforts_[a].looks / kLooksInARow < efforts_[b].looks / kLooksInARow;
+  });
+  for (const mission::AreaRef& ref : areas) {
+    if (k.now() >= efforts_[ref].not_before && choose_pose(k, ref)) return;
+  }
+  look_again_ = k.now() + Duration::from_s(1.0);
+}
+
 bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& ref) {
   const robot::Stopwatch watch(planning_, mission::PlanningStep::kPath);
+  Effort& effort = efforts_[ref];
   k.paths().flood(k.position());
-  const auto view = view_pose(k, k.areas().at(ref).area, in_vain_[ref], attempts_[ref]);
+  const auto view =
+      view_pose(k, k.areas().at(ref).area, effort.in_vain, effort.looks + effort.tries);
   if (view) {
     view_ = *view;
     current_ = ref;
@@ -166,9 +173,9 @@ bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& r
     moved_at_ = k.now();
     return true;
   }
-  ++attempts_[ref];
+  ++effort.tries;
   // What refusals beside a known feature left open, no pose can settle.
-  if (open_.contains(ref) && attempts_[ref] >= kLeastAttempts && explored(k, ref))
+  if (effort.open < 1 && effort.tries >= kLeastTries && explored(k, ref))
     report_nothing(k, ref);
   else
     postpone(k, ref);
@@ -189,24 +196,26 @@ bool Slei3dInspector::explored(const robot::Knowledge& k, const mission::AreaRef
 void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
   const mission::AreaRef ref = *current_;
   current_.reset();
-  in_vain_[ref].push_back({view_.look, refused});
+  Effort& effort = efforts_[ref];
+  effort.in_vain.push_back({view_.look, refused});
+  ++(refused ? effort.looks : effort.tries);
   if (refused && known_near(k, spot_to_ask(k, k.areas().at(ref).area))) {
-    double& open = open_.try_emplace(ref, 1.0).first->second;
-    open *= 1 - (1 - kMisled) * view_.probability;
-    if (open < kRuledOut) return report_nothing(k, ref);
+    effort.open *= 1 - (1 - kMisled) * view_.probability;
+    if (effort.open < kRuledOut) return report_nothing(k, ref);
   }
-  if (++attempts_[ref] % kLooksInARow == 0 || !refused) postpone(k, ref);
+  if (!refused || effort.looks >= kMaxLooks) postpone(k, ref);
 }
 
 /// The others first: meanwhile the map grows. After the last attempt the area is reported as not to
 /// be seen, but not before its region is explored: until then a better place to look from may still
 /// become known.
 void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref) {
-  not_before_[ref] = k.now() + Duration::from_s(kRetryArea_s);
-  if (attempts_[ref] < kMaxAttempts) return;
+  Effort& effort = efforts_[ref];
+  effort.not_before = k.now() + Duration::from_s(kRetryArea_s);
+  if (effort.tries < kMaxTries && effort.looks < kMaxLooks) return;
   if (!explored(k, ref)) {
-    attempts_[ref] = kMaxAttempts / 2;
-    not_before_[ref] = k.now() + Duration::from_s(kRetryUnexplored_s);
+    effort.tries = std::min(effort.tries, kMaxTries / 2);
+    effort.not_before = k.now() + Duration::from_s(kRetryUnexplored_s);
     return;
   }
   report_nothing(k, ref);
@@ -277,10 +286,11 @@ robot::Intent Slei3dInspector::wait(robot::Knowledge& k, const Orders& o) {
 Vec3 Slei3dInspector::route_end(robot::Knowledge& k, const Orders& o) const {
   const mission::AreaRef ref = o.areas.back();
   const mission::Area& area = k.areas().at(ref).area;
-  const auto in_vain = in_vain_.find(ref);
+  const auto effort = efforts_.find(ref);
   k.paths().flood(k.position());
   const std::vector<VainLook> none;
-  if (const auto view = view_pose(k, area, in_vain == in_vain_.end() ? none : in_vain->second, 0))
+  if (const auto view =
+          view_pose(k, area, effort == efforts_.end() ? none : effort->second.in_vain, 0))
     return view->pose.p;
   for (const double m : {1.5, 2.0, 2.5, 1.0, 3.0, 4.0}) {
     Vec3 p = area.position + m * (area.sighted_from.p - area.position).normalized();
