@@ -11,9 +11,10 @@ namespace muster::agent {
 namespace {
 
 constexpr double kBlockedPose_s = 4;
-// Refusals where no feature is known: one is there, and can be seen from somewhere.
-constexpr int kMaxLooks = 60;
-constexpr int kMaxTries = 20;  // to find a pose at all
+// Refusals where no feature is known say that one is there that shows itself from somewhere else:
+// after so many everything is tried once more, from the beginning.
+constexpr std::size_t kManyLooks = 60;
+constexpr int kMaxTries = 30;  // to find a pose at all
 constexpr int kLeastTries = 5;
 constexpr double kRetryUnexplored_s = 60;
 // Of a refusal: a body in the way, or a surface that lies otherwise than it seems.
@@ -203,18 +204,19 @@ void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
     effort.open *= 1 - (1 - kMisled) * view_.probability;
     if (effort.open < kRuledOut) return report_nothing(k, ref);
   }
-  if (!refused || effort.looks >= kMaxLooks) postpone(k, ref);
+  if (!refused) postpone(k, ref);
+  if (effort.in_vain.size() >= kManyLooks) effort.in_vain.clear();
 }
 
-/// The others first: meanwhile the map grows. After the last attempt the area is reported as not to
-/// be seen, but not before its region is explored: until then a better place to look from may still
-/// become known.
+/// The others first: meanwhile the map grows. An area that no pose is found for is reported as not
+/// to be seen in the end, but not before its region is explored: until then a better place to look
+/// from may still become known. One that was refused is there, and is never given up.
 void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref) {
   Effort& effort = efforts_[ref];
   effort.not_before = k.now() + Duration::from_s(kRetryArea_s);
-  if (effort.tries < kMaxTries && effort.looks < kMaxLooks) return;
-  if (!explored(k, ref)) {
-    effort.tries = std::min(effort.tries, kMaxTries / 2);
+  if (effort.tries < kMaxTries) return;
+  if (!explored(k, ref) || effort.looks > 0) {
+    effort.tries = kMaxTries / 2;
     effort.not_before = k.now() + Duration::from_s(kRetryUnexplored_s);
     return;
   }

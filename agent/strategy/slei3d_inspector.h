@@ -47,7 +47,7 @@ class Slei3dInspector : public robot::Strategy {
 
   std::vector<mission::PlanningTime> planning_;
   std::optional<mission::AreaRef> current_;
-  ViewPose view_;                             // of the current area
+  ViewPose view_;  // of the current area
   /// What one area has cost so far.
   struct Effort {
     std::vector<VainLook> in_vain;

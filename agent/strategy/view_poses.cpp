@@ -21,8 +21,8 @@ constexpr double kLeastChance[] = {0.25, 0.08, 0.02, 0.004};
 constexpr double kOpenBeside_rad = 0.7;
 constexpr double kOpenAnywhere = 0.15;
 constexpr double kSamePose_rad = 0.06, kSamePose_m = 0.3;  // shows the same again
-constexpr double kSameLook_rad = 0.2;  // what was wrong there may be wrong here
-constexpr double kSameLook = 0.92;     // how surely, at the very same direction
+constexpr double kSameLook_rad = 0.2;                      // what was wrong there may be wrong here
+constexpr double kSameLook = 0.92;                         // how surely, at the very same direction
 constexpr double kRanges_m[] = {1.2, 1.6, 2.1, 2.7, 3.4, 4.1, 4.6};
 constexpr double kElevations_rad[] = {0.0,   0.12, -0.12, 0.22,  -0.22,  0.3,   -0.3,  0.37,
                                       -0.37, 0.43, -0.43, 0.475, -0.475, 0.505, -0.505};
@@ -53,8 +53,8 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
 
   const Vec3 sighted = area.sighted_from.p - area.position;
   const double sighted_m = sighted.norm();
-  const bool refused = std::any_of(in_vain.begin(), in_vain.end(),
-                                   [](const VainLook& v) { return v.refused; });
+  const bool refused =
+      std::any_of(in_vain.begin(), in_vain.end(), [](const VainLook& v) { return v.refused; });
   const auto open = [&](const Vec3& from) {
     if (!refused) return 1.0;
     const double off = angle(from, sighted / sighted_m) / kOpenBeside_rad;
@@ -88,7 +88,8 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
       });
       if (again) continue;
       const double way_s = nav::travel_time_s(k.paths().flood_distance(p), k.limits());
-      const ViewPose view{{p, std::atan2(-from.y(), -from.x())}, {from, range_m, beside}, chance, seen};
+      const ViewPose view{
+          {p, std::atan2(-from.y(), -from.x())}, {from, range_m, beside}, chance, seen};
       found.push_back({way_s, cost_s(way_s, chance), view});
     }
   };
