@@ -15,12 +15,14 @@ constexpr double kBlockedPose_s = 4;
 // after so many everything is tried once more, from the beginning.
 constexpr std::size_t kManyLooks = 60;
 constexpr int kMaxTries = 30;  // to find a pose at all
-constexpr int kLeastTries = 5;
 constexpr double kRetryUnexplored_s = 60;
 // Of a refusal: a body in the way, or a surface that lies otherwise than it seems.
 constexpr double kMisled = 0.2;
 constexpr double kRuledOut = 0.03;  // chance of a feature left: less is none
-constexpr double kAnswer_s = 0.6;   // after the hold
+constexpr double kStray_m = 0.6;
+constexpr int kStrayLooks = 10;
+constexpr double kDoubted = 0.5, kHopeless = 0.1;
+constexpr double kAnswer_s = 0.6;  // after the hold
 constexpr int kLooksInARow = 3;
 constexpr double kRetryArea_s = 12;  // the map grows meanwhile
 constexpr double kMoved_m = 0.4, kStuck_s = 10;
@@ -166,6 +168,14 @@ bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& r
   k.paths().flood(k.position());
   const auto view =
       view_pose(k, k.areas().at(ref).area, effort.in_vain, effort.looks + effort.tries);
+  // Beside a known feature refusals are no proof that there is another one: with no good look left,
+  // what the others showed has to do.
+  const bool settled =
+      effort.open < kDoubted && explored(k, ref) && (!view || view->probability < kHopeless);
+  if (settled) {
+    report_nothing(k, ref);
+    return false;
+  }
   if (view) {
     view_ = *view;
     current_ = ref;
@@ -175,11 +185,7 @@ bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& r
     return true;
   }
   ++effort.tries;
-  // What refusals beside a known feature left open, no pose can settle.
-  if (effort.open < 1 && effort.tries >= kLeastTries && explored(k, ref))
-    report_nothing(k, ref);
-  else
-    postpone(k, ref);
+  postpone(k, ref);
   return false;
 }
 
@@ -189,6 +195,19 @@ bool Slei3dInspector::explored(const robot::Knowledge& k, const mission::AreaRef
   if (!health || health->body.regions.empty()) return false;
   const mission::RegionProgress& p = health->body.regions.front();
   return p.region != k.areas().at(ref).area.region || p.state >= mission::RegionState::kExplored;
+}
+
+/// Sighted once, and so near a feature that is known that it may have been a sighting of that one:
+/// not worth looking from everywhere.
+bool Slei3dInspector::may_be_stray(const robot::Knowledge& k, const mission::AreaRef& ref) {
+  const mission::Area& area = k.areas().at(ref).area;
+  if (area.sightings > 1) return false;
+  return std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
+    const auto& findings = r.second.inspection.findings;
+    return std::any_of(findings.begin(), findings.end(), [&](const mission::Finding& f) {
+      return (f.position - area.position).norm() < kStray_m;
+    });
+  });
 }
 
 /// Refused: look from elsewhere, at once while there is a fair chance. Not to be reached or out of
@@ -204,13 +223,16 @@ void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
     effort.open *= 1 - (1 - kMisled) * view_.probability;
     if (effort.open < kRuledOut) return report_nothing(k, ref);
   }
+  if (effort.looks >= kStrayLooks && explored(k, ref) && may_be_stray(k, ref))
+    return report_nothing(k, ref);
   if (!refused) postpone(k, ref);
   if (effort.in_vain.size() >= kManyLooks) effort.in_vain.clear();
 }
 
 /// The others first: meanwhile the map grows. An area that no pose is found for is reported as not
 /// to be seen in the end, but not before its region is explored: until then a better place to look
-/// from may still become known. One that was refused is there, and is never given up.
+/// from may still become known. One that was refused has been in reach, and is
+/// not given up.
 void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref) {
   Effort& effort = efforts_[ref];
   effort.not_before = k.now() + Duration::from_s(kRetryArea_s);

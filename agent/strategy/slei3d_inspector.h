@@ -39,6 +39,7 @@ class Slei3dInspector : public robot::Strategy {
   void next_area(robot::Knowledge& k, std::vector<mission::AreaRef> areas);
   void give_up_pose(robot::Knowledge& k, bool refused);
   void postpone(robot::Knowledge& k, const mission::AreaRef& ref);
+  static bool may_be_stray(const robot::Knowledge& k, const mission::AreaRef& ref);
   static bool explored(const robot::Knowledge& k, const mission::AreaRef& ref);
   void report_nothing(robot::Knowledge& k, const mission::AreaRef& ref);
   void report(robot::Knowledge& k, const mission::Inspected& inspected);
