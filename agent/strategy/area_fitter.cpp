@@ -226,7 +226,7 @@ void AreaFitter::add(robot::Knowledge& k, const Seen& seen, RegionId region) {
   }
   const auto count = static_cast<std::uint32_t>(fit->seen.size());
   const bool better =
-      (fit->mean() - fit->published).norm() > kMoved_m || count >= 2 * fit->published_count;
+      (fit->mean() - fit->published).norm() > kMoved_m || count >= 3 * fit->published_count;
   if (better && !k.inspected(*fit->ref)) publish(k, *fit);
 }
 

@@ -109,8 +109,8 @@ TEST_CASE("beside a known feature, refusals of good looks close an area that has
   l.progress.inspected->found = {{FeatureId{1}, 0, {5, 0.05, 2}}};
   l.decide();
   REQUIRE(l.self.results().size() == 1);
-  for (int i = 0; i < 15 && l.self.results().size() == 1; ++i) {
-    l.time(10 + 6 * i);
+  for (int i = 0; i < 8 && l.self.results().size() == 1; ++i) {
+    l.time(10 + 20 * i);
     l.progress = {};
     l.decide();
     l.answer(mission::InspectOutcome::kRefusedView);
