@@ -267,20 +267,18 @@ std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot:
       goal_.reset();
       const bool due = scans_ != refreshed_scans_ && now >= refresh_again_;
       if (due) {
-        refresh(k, thorough_, planning);
+        refresh(k, false, planning);
         refresh_again_ = now + Duration::from_s(kRefresh_s);
       }
-      if (choose(k, budget_s, meeting, planning)) {
-        empty_rounds_ = 0;
-        thorough_ = false;
-      } else if (due) {
+      bool found = choose(k, budget_s, meeting, planning);
+      if (!found && due) {
         // Nothing near: look again with reachability known everywhere before saying so.
-        const bool was_thorough = std::exchange(thorough_, true);
+        refresh(k, true, planning);
+        found = choose(k, budget_s, meeting, planning);
         entered_ = entered_ || known_m3(k) > 1.0;
-        if (was_thorough && entered_ && targets_.done() && ++empty_rounds_ >= 2) {
-          done_ = true;
-        }
+        if (!found && entered_ && targets_.done()) done_ = ++empty_rounds_ >= 2;
       }
+      if (found) empty_rounds_ = 0;
     }
   }
   if (goal_) return fly_to(*goal_);

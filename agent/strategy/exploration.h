@@ -66,7 +66,6 @@ class Exploration {
   std::uint64_t settled_ = 0, refreshed_scans_ = 0, arrived_scans_ = 0, arrived_looks_ = 0,
                 arrived_counted_ = 0;
   SimTime last_look_, refresh_again_, give_up_;
-  bool thorough_ = false;
   bool entered_ = false;  // something of the box is known
   bool done_ = false;
   int empty_rounds_ = 0;

@@ -21,6 +21,7 @@ constexpr double kTalkDistance_m = 3.5;  // well inside the radio's range
 constexpr double kCollect_s = 30, kSoonest_s = 50;
 constexpr double kExploringApart_s = 150;  // between meetings with the station
 constexpr double kCornerInset_m = 0.6;
+constexpr double kAtThePlace_m = 1.0;  // the station parks up to 3.5 m from it: still in range
 constexpr double kMeetingHeight_m = 1.2;
 
 }  // namespace
@@ -104,7 +105,7 @@ robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress&
   wait.kind = robot::Intent::Kind::kGo;
   wait.goal.p = agreement_.next(k).place;
   wait.through_unknown = true;
-  wait.tolerance_m = 1.5;
+  wait.tolerance_m = kAtThePlace_m;
   wait.activity = mission::Activity::kWaiting;
   wait.reason = subgroup_.outstanding(k, region) > 0 ? "explored; inspectors are still at work"
                                                      : "region done; waiting for the station";
@@ -129,7 +130,8 @@ std::optional<robot::Intent> Slei3dExplorer::meet_station(robot::Knowledge& k,
     return std::nullopt;
   }
   if (!leaving_ && !first) leaving_ = time_to_leave(k, rung);
-  const bool meant = first || leaving_ || region_done(k);
+  // (A meeting that was missed is made up for wherever the two come across each other.)
+  const bool meant = first || leaving_ || region_done(k) || agreement_.missed(k) > 0;
   if (meant && k.in_contact(station_)) {
     negotiating_ = true;
     negotiating_since_ = k.now();
@@ -148,7 +150,7 @@ std::optional<robot::Intent> Slei3dExplorer::meet_station(robot::Knowledge& k,
   intent.goal.p = rung.place;
   intent.goal.p.z() = std::max(intent.goal.p.z(), k.mission().hull.low().z() + kMeetingHeight_m);
   intent.through_unknown = true;
-  intent.tolerance_m = 1.0;
+  intent.tolerance_m = kAtThePlace_m;
   intent.activity = mission::Activity::kMeeting;
   intent.reason = "to the meeting with the station at " +
                   std::to_string(static_cast<int>(rung.from.s())) + " s";
