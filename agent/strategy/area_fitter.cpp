@@ -127,6 +127,26 @@ bool AreaFitter::explained(const robot::Knowledge& k, const Seen& seen,
   return nearest != nullptr;
 }
 
+/// What other sightings of the same look are nearer to: not sighted twice in one look.
+std::set<FeatureId> AreaFitter::claimed_beside(const robot::Knowledge& k, const Seen& seen) const {
+  std::set<FeatureId> claimed;
+  for (const Fit& fit : fits_) {
+    for (const Seen& other : fit.seen) {
+      const Vec3& p = other.sighting.position;
+      const double apart_m = (p - seen.sighting.position).norm();
+      if (other.look != seen.look || apart_m <= 0 || apart_m > 2 * kSameFeature_m) continue;
+      for (const auto& [ref, result] : k.results()) {
+        for (const mission::Finding& f : result.inspection.findings) {
+          const double d = (f.position - p).norm();
+          if (d < kSameFeature_m && d < (f.position - seen.sighting.position).norm())
+            claimed.insert(f.feature);
+        }
+      }
+    }
+  }
+  return claimed;
+}
+
 /// Sightings of a fit with a result that the result, and all others, do not explain: each for
 /// itself, or all together when their middle lies off every finding.
 std::vector<AreaFitter::Seen> AreaFitter::unexplained(const robot::Knowledge& k,
@@ -141,7 +161,8 @@ std::vector<AreaFitter::Seen> AreaFitter::unexplained(const robot::Knowledge& k,
                   [&](const auto& f) { return (f.position - mean).norm() < off_m; });
   std::vector<Seen> left;
   for (const Seen& seen : fit.seen) {
-    if (seen.reviews >= kReviews || (middle && explained(k, seen))) continue;
+    std::set<FeatureId> taken = claimed_beside(k, seen);
+    if (seen.reviews >= kReviews || (middle && explained(k, seen, &taken))) continue;
     left.push_back(seen);
     ++left.back().reviews;
   }
@@ -226,7 +247,7 @@ void AreaFitter::add(robot::Knowledge& k, const Seen& seen, RegionId region) {
   }
   const auto count = static_cast<std::uint32_t>(fit->seen.size());
   const bool better =
-      (fit->mean() - fit->published).norm() > kMoved_m || count >= 3 * fit->published_count;
+      (fit->mean() - fit->published).norm() > kMoved_m || count >= 2 * fit->published_count;
   if (better && !k.inspected(*fit->ref)) publish(k, *fit);
 }
 

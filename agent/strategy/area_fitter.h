@@ -65,6 +65,7 @@ class AreaFitter {
   bool asked_enough(const Vec3& p) const;
   bool explained(const robot::Knowledge& knowledge, const Seen& seen,
                  std::set<FeatureId>* taken = nullptr) const;
+  std::set<FeatureId> claimed_beside(const robot::Knowledge& knowledge, const Seen& seen) const;
   std::vector<Seen> unexplained(const robot::Knowledge& knowledge, const Fit& fit) const;
   void settle_doubts(robot::Knowledge& knowledge, bool explored);
   static Pose squarest(const robot::Knowledge& knowledge, const Fit& fit);

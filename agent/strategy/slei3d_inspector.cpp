@@ -11,13 +11,19 @@ namespace muster::agent {
 namespace {
 
 constexpr double kBlockedPose_s = 4;
-constexpr int kMaxAttempts = 20;  // looks in vain before an area is reported as not to be seen
-constexpr int kLeastAttempts = 5;
+// Refusals where no feature is known say that one is there that shows itself from somewhere else:
+// after so many everything is tried once more, from the beginning.
+constexpr std::size_t kManyLooks = 60;
+constexpr int kMaxTries = 30;  // to find a pose at all
 constexpr double kRetryUnexplored_s = 60;
 // Of a refusal: a body in the way, or a surface that lies otherwise than it seems.
 constexpr double kMisled = 0.2;
 constexpr double kRuledOut = 0.03;  // chance of a feature left: less is none
-constexpr double kAnswer_s = 0.6;   // after the hold
+constexpr double kStray_m = 0.6;
+constexpr double kSameSpot_m = 0.3;
+constexpr int kStrayLooks = 10;
+constexpr double kDoubted = 0.5, kHopeless = 0.1;
+constexpr double kAnswer_s = 0.6;  // after the hold
 constexpr int kLooksInARow = 3;
 constexpr double kRetryArea_s = 12;  // the map grows meanwhile
 constexpr double kMoved_m = 0.4, kStuck_s = 10;
@@ -120,15 +126,7 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
     const bool stuck = (k.now() - moved_at_).s() > kStuck_s;
     if (refused || hidden || stuck || progress.blocked_s > kBlockedPose_s) give_up_pose(k, refused);
   }
-  if (!current_ && k.now() >= look_again_) {
-    for (const mission::AreaRef& ref : o.areas) {
-      const auto wait_until = not_before_.find(ref);
-      if (wait_until != not_before_.end() && k.now() < wait_until->second) continue;
-      if (choose_pose(k, ref)) break;
-      if (current_) break;
-    }
-    if (!current_) look_again_ = k.now() + Duration::from_s(1.0);
-  }
+  if (!current_ && k.now() >= look_again_) next_area(k, o.areas);
   robot::Intent intent;
   intent.activity = mission::Activity::kTravelling;
   if (!current_) {
@@ -154,10 +152,48 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
   return intent;
 }
 
+/// Looks at this very spot whose answers named what is known: whatever else is here does not show
+/// itself there.
+std::vector<VainLook> Slei3dInspector::looks_of_others(const robot::Knowledge& k,
+                                                       const mission::AreaRef& ref) {
+  const Vec3& p = k.areas().at(ref).area.position;
+  std::vector<VainLook> looks;
+  for (const auto& [other, result] : k.results()) {
+    const mission::Inspection& i = result.inspection;
+    const Vec3 d = i.pose.p - p;
+    if (!i.found || (i.area_position - p).norm() > kSameSpot_m) continue;
+    looks.push_back({{d.normalized(), d.norm(), 1}, true});
+  }
+  return looks;
+}
+
+/// In the order given; one that has been looked at in vain comes after those that have been less.
+void Slei3dInspector::next_area(robot::Knowledge& k, std::vector<mission::AreaRef> areas) {
+  std::stable_sort(areas.begin(), areas.end(), [&](const auto& a, const auto& b) {
+    return efforts_[a].looks / kLooksInARow < efforts_[b].looks / kLooksInARow;
+  });
+  for (const mission::AreaRef& ref : areas) {
+    if (k.now() >= efforts_[ref].not_before && choose_pose(k, ref)) return;
+  }
+  look_again_ = k.now() + Duration::from_s(1.0);
+}
+
 bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& ref) {
   const robot::Stopwatch watch(planning_, mission::PlanningStep::kPath);
+  Effort& effort = efforts_[ref];
+  if (effort.looks + effort.tries == 0 && effort.in_vain.empty())
+    effort.in_vain = looks_of_others(k, ref);
   k.paths().flood(k.position());
-  const auto view = view_pose(k, k.areas().at(ref).area, in_vain_[ref], attempts_[ref]);
+  const auto view =
+      view_pose(k, k.areas().at(ref).area, effort.in_vain, effort.looks + effort.tries);
+  // Beside a known feature refusals are no proof that there is another one: with no good look left,
+  // what the others showed has to do.
+  const bool settled =
+      effort.open < kDoubted && explored(k, ref) && (!view || view->probability < kHopeless);
+  if (settled) {
+    report_nothing(k, ref);
+    return false;
+  }
   if (view) {
     view_ = *view;
     current_ = ref;
@@ -166,12 +202,8 @@ bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& r
     moved_at_ = k.now();
     return true;
   }
-  ++attempts_[ref];
-  // What refusals beside a known feature left open, no pose can settle.
-  if (open_.contains(ref) && attempts_[ref] >= kLeastAttempts && explored(k, ref))
-    report_nothing(k, ref);
-  else
-    postpone(k, ref);
+  ++effort.tries;
+  postpone(k, ref);
   return false;
 }
 
@@ -183,30 +215,51 @@ bool Slei3dInspector::explored(const robot::Knowledge& k, const mission::AreaRef
   return p.region != k.areas().at(ref).area.region || p.state >= mission::RegionState::kExplored;
 }
 
+/// Sighted once or twice, and so near a feature that is known that it may have been a sighting of
+/// that one: not worth looking from everywhere.
+bool Slei3dInspector::may_be_stray(const robot::Knowledge& k, const mission::AreaRef& ref) {
+  const mission::Area& area = k.areas().at(ref).area;
+  if (area.sightings > 2) return false;
+  return std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
+    const auto& findings = r.second.inspection.findings;
+    return std::any_of(findings.begin(), findings.end(), [&](const mission::Finding& f) {
+      return (f.position - area.position).norm() < kStray_m;
+    });
+  });
+}
+
 /// Refused: look from elsewhere, at once while there is a fair chance. Not to be reached or out of
 /// sight: the others first. A refusal beside a known feature may be about that one; when looks that
 /// would have shown another were refused so, there is none.
 void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
   const mission::AreaRef ref = *current_;
   current_.reset();
-  in_vain_[ref].push_back({view_.look, refused});
+  Effort& effort = efforts_[ref];
+  effort.in_vain.push_back({view_.look, refused});
+  ++(refused ? effort.looks : effort.tries);
   if (refused && known_near(k, spot_to_ask(k, k.areas().at(ref).area))) {
-    double& open = open_.try_emplace(ref, 1.0).first->second;
-    open *= 1 - (1 - kMisled) * view_.probability;
-    if (open < kRuledOut) return report_nothing(k, ref);
+    effort.open *= 1 - (1 - kMisled) * view_.probability;
+    if (effort.open < kRuledOut) return report_nothing(k, ref);
   }
-  if (++attempts_[ref] % kLooksInARow == 0 || !refused) postpone(k, ref);
+  if (effort.looks >= kStrayLooks && explored(k, ref) && may_be_stray(k, ref))
+    return report_nothing(k, ref);
+  if (!refused) postpone(k, ref);
+  if (effort.in_vain.size() >= kManyLooks) effort.in_vain.clear();
 }
 
-/// The others first: meanwhile the map grows. After the last attempt the area is reported as not to
-/// be seen, but not before its region is explored: until then a better place to look from may still
-/// become known.
+/// The others first: meanwhile the map grows. An area that no pose is found for is reported as not
+/// to be seen in the end, but not before its region is explored: until then a better place to look
+/// from may still become known. One that was refused has been in reach, and is
+/// not given up.
 void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref) {
-  not_before_[ref] = k.now() + Duration::from_s(kRetryArea_s);
-  if (attempts_[ref] < kMaxAttempts) return;
-  if (!explored(k, ref)) {
-    attempts_[ref] = kMaxAttempts / 2;
-    not_before_[ref] = k.now() + Duration::from_s(kRetryUnexplored_s);
+  Effort& effort = efforts_[ref];
+  effort.not_before = k.now() + Duration::from_s(kRetryArea_s);
+  if (effort.looks + effort.tries >= kStrayLooks && explored(k, ref) && may_be_stray(k, ref))
+    return report_nothing(k, ref);
+  if (effort.tries < kMaxTries) return;
+  if (!explored(k, ref) || effort.looks > 0) {
+    effort.tries = kMaxTries / 2;
+    effort.not_before = k.now() + Duration::from_s(kRetryUnexplored_s);
     return;
   }
   report_nothing(k, ref);
@@ -277,10 +330,11 @@ robot::Intent Slei3dInspector::wait(robot::Knowledge& k, const Orders& o) {
 Vec3 Slei3dInspector::route_end(robot::Knowledge& k, const Orders& o) const {
   const mission::AreaRef ref = o.areas.back();
   const mission::Area& area = k.areas().at(ref).area;
-  const auto in_vain = in_vain_.find(ref);
+  const auto effort = efforts_.find(ref);
   k.paths().flood(k.position());
   const std::vector<VainLook> none;
-  if (const auto view = view_pose(k, area, in_vain == in_vain_.end() ? none : in_vain->second, 0))
+  if (const auto view =
+          view_pose(k, area, effort == efforts_.end() ? none : effort->second.in_vain, 0))
     return view->pose.p;
   for (const double m : {1.5, 2.0, 2.5, 1.0, 3.0, 4.0}) {
     Vec3 p = area.position + m * (area.sighted_from.p - area.position).normalized();

@@ -36,8 +36,12 @@ class Slei3dInspector : public robot::Strategy {
   robot::Intent inspect(robot::Knowledge& k, const Orders& orders, const robot::Progress& progress);
   robot::Intent wait(robot::Knowledge& k, const Orders& orders);
   bool choose_pose(robot::Knowledge& k, const mission::AreaRef& ref);
+  void next_area(robot::Knowledge& k, std::vector<mission::AreaRef> areas);
   void give_up_pose(robot::Knowledge& k, bool refused);
   void postpone(robot::Knowledge& k, const mission::AreaRef& ref);
+  static std::vector<VainLook> looks_of_others(const robot::Knowledge& k,
+                                               const mission::AreaRef& ref);
+  static bool may_be_stray(const robot::Knowledge& k, const mission::AreaRef& ref);
   static bool explored(const robot::Knowledge& k, const mission::AreaRef& ref);
   void report_nothing(robot::Knowledge& k, const mission::AreaRef& ref);
   void report(robot::Knowledge& k, const mission::Inspected& inspected);
@@ -46,11 +50,16 @@ class Slei3dInspector : public robot::Strategy {
 
   std::vector<mission::PlanningTime> planning_;
   std::optional<mission::AreaRef> current_;
-  ViewPose view_;                             // of the current area
-  std::map<mission::AreaRef, int> attempts_;  // in vain
-  std::map<mission::AreaRef, std::vector<VainLook>> in_vain_;
-  std::map<mission::AreaRef, double> open_;  // chance that refusals so far missed a feature there
-  std::map<mission::AreaRef, SimTime> not_before_;
+  ViewPose view_;  // of the current area
+  /// What one area has cost so far.
+  struct Effort {
+    std::vector<VainLook> in_vain;
+    int looks = 0;       ///< refused
+    int tries = 0;       ///< to find a pose or to get there, without a look
+    double open = 1;     ///< chance that refusals beside a known feature missed another one
+    SimTime not_before;  ///< of the next try
+  };
+  std::map<mission::AreaRef, Effort> efforts_;
   std::optional<SimTime> looking_since_;
   Vec3 moved_to_ = Vec3::Zero();  // on the way to the current pose
   SimTime moved_at_;

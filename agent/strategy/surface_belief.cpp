@@ -18,7 +18,8 @@ constexpr double kUsualRange_m = 2.5;
 constexpr double kMapLies = 0.1;      // at edges and corners voxels say little: when what they say
                                       // has been refused, everything else is still to be believed
 constexpr double kNegligible = 1e-5;  // against the likeliest direction
-constexpr double kBelieved = 0.9;     // of a refusal: bodies in the way refuse looks as well
+constexpr double kBelieved = 0.5;     // of a refusal: what the map is too coarse for, and bodies in
+                                      // the way, refuse looks as well
 constexpr double kLeastSigma_m = 0.05;
 constexpr double kImpossible = 1e-4;  // of what contradicts an answer: the map may be wrong
 

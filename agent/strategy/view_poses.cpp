@@ -15,10 +15,14 @@ constexpr double kGap_m = 0.3;  // the line of sight is asked for up to this far
 constexpr double kSlantGap_m = 0.8;
 constexpr double kSlantClear = 0.4;
 constexpr double kRefusal_s = 14;  // an attempt in vain: the hold, and the way to the next
-constexpr double kLeastChance[] = {0.25, 0.08, 0.02};
+constexpr double kLeastChance[] = {0.25, 0.08, 0.02, 0.004};
+// After a refusal something that the map is too coarse for may hide the area: what was open along
+// the sighting's line is open beside it, and less and less further off.
+constexpr double kOpenBeside_rad = 0.7;
+constexpr double kOpenAnywhere = 0.15;
 constexpr double kSamePose_rad = 0.06, kSamePose_m = 0.3;  // shows the same again
-constexpr double kSameLook_rad = 0.2;                      // what hid the area there may do so here
-constexpr double kSameLookFactor = 0.5;
+constexpr double kSameLook_rad = 0.2;                      // what was wrong there may be wrong here
+constexpr double kSameLook = 0.92;                         // how surely, at the very same direction
 constexpr double kRanges_m[] = {1.2, 1.6, 2.1, 2.7, 3.4, 4.1, 4.6};
 constexpr double kElevations_rad[] = {0.0,   0.12, -0.12, 0.22,  -0.22,  0.3,   -0.3,  0.37,
                                       -0.37, 0.43, -0.43, 0.475, -0.475, 0.505, -0.505};
@@ -45,7 +49,17 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
     if (v.refused) belief.refuse(v.look);
   }
   const Vec3 n = belief.normal();
-  const double least = kLeastChance[std::clamp(attempts / 2, 0, 2)];
+  const double least = kLeastChance[std::clamp(attempts / 2, 0, 3)];
+
+  const Vec3 sighted = area.sighted_from.p - area.position;
+  const double sighted_m = sighted.norm();
+  const bool refused =
+      std::any_of(in_vain.begin(), in_vain.end(), [](const VainLook& v) { return v.refused; });
+  const auto open = [&](const Vec3& from) {
+    if (!refused) return 1.0;
+    const double off = angle(from, sighted / sighted_m) / kOpenBeside_rad;
+    return std::max(kOpenAnywhere, std::exp(-off * off));
+  };
 
   struct Candidate {
     double way_s, cost_s;
@@ -57,8 +71,12 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
   std::vector<Candidate> found;
   const auto consider = [&](const Vec3& from, std::span<const double> ranges_m, bool seen) {
     double faces = belief.faces(from);
-    for (const VainLook& v : in_vain)
-      faces *= angle(from, v.look.from) < kSameLook_rad ? kSameLookFactor : 1.0;
+    for (const VainLook& v : in_vain) {
+      const double off = angle(from, v.look.from) / kSameLook_rad;
+      faces *= 1 - (v.refused ? kSameLook : kSameLook / 2) * std::exp(-off * off);
+    }
+    const double beside = open(from);
+    faces *= beside;
     if (faces < least) return;
     for (const double range_m : ranges_m) {
       const double chance = faces * belief.in_view(from, range_m);
@@ -70,7 +88,8 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
       });
       if (again) continue;
       const double way_s = nav::travel_time_s(k.paths().flood_distance(p), k.limits());
-      const ViewPose view{{p, std::atan2(-from.y(), -from.x())}, {from, range_m, 1}, chance, seen};
+      const ViewPose view{
+          {p, std::atan2(-from.y(), -from.x())}, {from, range_m, beside}, chance, seen};
       found.push_back({way_s, cost_s(way_s, chance), view});
     }
   };
@@ -82,8 +101,6 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
     }
   }
   // It was in sight from where it was sighted, whatever the voxels say.
-  const Vec3 sighted = area.sighted_from.p - area.position;
-  const double sighted_m = sighted.norm();
   const double on_the_ray_m[] = {0.4 * sighted_m, 0.55 * sighted_m, 0.7 * sighted_m,
                                  0.85 * sighted_m, sighted_m};
   if (sighted_m > 0.5) consider(sighted / sighted_m, on_the_ray_m, true);
@@ -94,8 +111,9 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
   double best_s = std::numeric_limits<double>::infinity();
   for (Candidate& c : found) {
     if (c.cost_s >= best_s) break;
-    c.view.look.clear = c.view.seen ? 1 : clear(k, area.position, n, c.view.pose.p);
-    c.view.probability *= c.view.look.clear;
+    const double by_map = c.view.seen ? 1 : clear(k, area.position, n, c.view.pose.p);
+    c.view.look.clear *= by_map;
+    c.view.probability *= by_map;
     if (c.view.probability < least) continue;
     const double s = cost_s(c.way_s, c.view.probability);
     if (s < best_s) best_s = s, best = &c;

@@ -105,6 +105,18 @@ TEST_CASE("two sightings near each other in one look are two features") {
   CHECK(k.areas().size() == 3);
 }
 
+TEST_CASE("two areas of one look are not both explained by one finding") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  AreaFitter fitter;
+  for (int i = 0; i < 3; ++i) fitter.take(k, look({5, -3, 2}, {{5, 0, 2}, {5.17, 0, 2}}), kRegion);
+  REQUIRE(k.areas().size() == 2);
+  for (const auto& [ref, known] : std::map(k.areas())) inspect(k, ref, {5, -2, 2}, {{5, 0, 2}});
+  fitter.review(k, false);
+  REQUIRE(k.areas().size() == 3);
+  CHECK((k.areas().rbegin()->second.area.position - Vec3(5.17, 0, 2)).norm() < 0.01);
+}
+
 TEST_CASE("an answer about a feature off the middle of the sightings leaves them unexplained") {
   const mission::Mission m = robot::small_mission();
   Knowledge k(m, RobotId{1}, 1);

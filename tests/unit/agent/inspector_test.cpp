@@ -109,8 +109,8 @@ TEST_CASE("beside a known feature, refusals of good looks close an area that has
   l.progress.inspected->found = {{FeatureId{1}, 0, {5, 0.05, 2}}};
   l.decide();
   REQUIRE(l.self.results().size() == 1);
-  for (int i = 0; i < 8 && l.self.results().size() == 1; ++i) {
-    l.time(10 + 20 * i);
+  for (int i = 0; i < 15 && l.self.results().size() == 1; ++i) {
+    l.time(10 + 6 * i);
     l.progress = {};
     l.decide();
     l.answer(mission::InspectOutcome::kRefusedView);
@@ -118,6 +118,24 @@ TEST_CASE("beside a known feature, refusals of good looks close an area that has
   }
   REQUIRE(l.self.results().size() == 2);
   CHECK_FALSE(l.self.results().rbegin()->second.inspection.found);
+}
+
+TEST_CASE("an area is looked at from elsewhere than a look there that named only what is known") {
+  Life l;
+  l.give({{5, 0, 2}});
+  const robot::Intent first = l.decide();
+  mission::Inspection i;
+  i.area = {RobotId{1}, 99};
+  i.area_position = {5, 0.1, 2};
+  i.pose.p = first.goal.p;
+  i.found = true;
+  i.findings = {{FeatureId{1}, 0, {5, 0.15, 2}}};
+  Life other;
+  other.self.publish(store::RecordClass::kInspection, robot::result_key(i.area), i);
+  other.give({{5, 0, 2}});
+  const robot::Intent look = other.decide();
+  REQUIRE(look.kind == Kind::kInspect);
+  CHECK((look.goal.p - first.goal.p).norm() > 0.3);
 }
 
 TEST_CASE("an area whose pose is not reached in time does not hold up the others") {

@@ -71,7 +71,8 @@ TEST_CASE("what the map says of a surface is given up when looks that believed i
   SurfaceBelief belief(p.inspector.map(), a, p.mission.inspect, p.inspector.config().vehicle);
   const Vec3 up = Vec3(-0.2, 0, 1).normalized();
   CHECK(belief.faces(up) < 0.1);
-  for (const double y : {0.0, 0.9, -0.9}) belief.refuse({Vec3(-1, y, 0).normalized(), 2});
+  for (const double y : {0.0, 0.4, -0.4, 0.9, -0.9, 1.4, -1.4})
+    belief.refuse({Vec3(-1, y, 0).normalized(), 2});
   CHECK(belief.faces(up) > 0.5);
 }
 
