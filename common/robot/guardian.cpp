@@ -14,6 +14,15 @@ SimTime last_heard_anyone(const Knowledge& k) {
 
 constexpr double kLongestTurn_s = 30, kRound_s = 300;
 
+// Telling others that they are called home: how far from here, for how long altogether, and how
+// much later than planned an inspector may be where its route ends.
+constexpr double kTellWithin_m = 30, kTellFor_s = 180, kTellStay_s = 20, kTellSpeed_mps = 0.7;
+
+bool low_battery(const Knowledge& k) {
+  return k.config().vehicle.discharge_mah_per_s > 0 &&
+         k.battery().charge < k.mission().battery_reserve && !k.battery().charging;
+}
+
 /// Silent robots go home one after the other. Two that fly the same speed on courses less than 90°
 /// apart are never in each other's camera, and all that lost each other at once would set out at
 /// once, for the same place.
@@ -43,10 +52,62 @@ Intent go_home(const Knowledge& k, std::string reason, bool land) {
   return intent;
 }
 
+/// The nearest place where somebody waits who has not heard.
+std::optional<Guardian::Errand> Guardian::next_errand(const Knowledge& k) const {
+  std::optional<Errand> best;
+  double best_m = kTellWithin_m;
+  for (const auto& [id, mate] : k.teammates()) {
+    if (told_.contains(id) || mate.beacon.role != mission::Role::kInspector) continue;
+    const auto* route = k.plan(id, mission::PlanKind::kRoute);
+    if (!route || route->body.steps.empty()) continue;
+    const mission::TimedPose& end = route->body.steps.back().at;
+    const double way_m = (end.pose.p - k.position()).norm();
+    if (way_m >= best_m) continue;
+    best_m = way_m;
+    best = {id, end.pose.p,
+            std::max(end.t, k.now() + Duration::from_s(way_m / kTellSpeed_mps)) +
+                Duration::from_s(kTellStay_s)};
+  }
+  return best;
+}
+
+std::optional<Intent> Guardian::tell_others(const Knowledge& k) {
+  if (!called_home_) called_home_ = k.now();
+  if (k.config().role != mission::Role::kExplorer || low_battery(k) ||
+      (k.now() - *called_home_).s() > kTellFor_s)
+    return std::nullopt;
+  for (const auto& [id, mate] : k.teammates()) {
+    using mission::Activity;
+    const Activity doing = mate.beacon.activity;
+    const bool goes_home =
+        doing == Activity::kReturning || doing == Activity::kLanding || doing == Activity::kLanded;
+    if (k.talked(id) || (goes_home && mate.heard >= *called_home_)) told_.insert(id);
+  }
+  if (errand_ && k.now() > errand_->until) told_.insert(errand_->mate);
+  if (errand_ && told_.contains(errand_->mate)) errand_.reset();
+  if (!errand_) errand_ = next_errand(k);
+  if (!errand_) return std::nullopt;
+  Intent intent;
+  intent.kind = Intent::Kind::kGo;
+  intent.goal.p = errand_->place;
+  intent.tolerance_m = 1.5;
+  intent.through_unknown = true;
+  intent.with = errand_->mate;
+  intent.activity = mission::Activity::kReturning;
+  intent.reason = "called home: tells robot " + std::to_string(errand_->mate.value) + " on the way";
+  return intent;
+}
+
 std::optional<Intent> Guardian::overrule(const Knowledge& k) {
   using mission::RequestVerb;
   if (const mission::Status* request = k.request()) {
     if (request->request != RequestVerb::kLand) land_here_.reset();
+    const bool home =
+        request->request == RequestVerb::kReturn || request->request == RequestVerb::kAbort;
+    if (!home) called_home_.reset(), errand_.reset(), told_.clear();
+    if (home && request->robot == kNoRobot) {
+      if (auto errand = tell_others(k)) return errand;
+    }
     switch (request->request) {
       case RequestVerb::kHold: {
         Intent hold;
@@ -72,9 +133,7 @@ std::optional<Intent> Guardian::overrule(const Knowledge& k) {
         break;
     }
   }
-  const double reserve = k.mission().battery_reserve;
-  if (k.config().vehicle.discharge_mah_per_s > 0 && k.battery().charge < reserve &&
-      !k.battery().charging) {
+  if (low_battery(k)) {
     return go_home(k, "battery below its reserve");
   }
   if ((k.now() - last_heard_anyone(k)).s() <= k.mission().lost_contact_s) {

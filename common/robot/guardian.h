@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 
 #include "common/robot/knowledge.h"
 #include "common/robot/strategy.h"
@@ -14,13 +15,28 @@ namespace muster::robot {
 ///     resume ◀── hold: stay where it is      return: home, hover      land: here      abort: home
 ///     and land battery below reserve, or nobody heard for the mission's lost_contact_s: in
 ///     turns, home and land
+///
+/// Who is called home together with everybody does not leave the others waiting where nothing is
+/// heard: an explorer, which knows where its inspectors' routes end, tells those near its way
+/// first, for three minutes at most.
 class Guardian {
  public:
   /// The intent to follow instead of the strategy's, when there is one.
   std::optional<Intent> overrule(const Knowledge& knowledge);
 
  private:
+  struct Errand {
+    RobotId mate;
+    Vec3 place;
+    SimTime until;
+  };
+  std::optional<Intent> tell_others(const Knowledge& knowledge);
+  std::optional<Errand> next_errand(const Knowledge& knowledge) const;
+
   std::optional<Vec3> land_here_;
+  std::optional<SimTime> called_home_;  // with everybody
+  std::set<RobotId> told_;              // of that, or not to be found
+  std::optional<Errand> errand_;
   bool going_silently_ = false;  // nobody was heard for too long, and its turn has come
 };
 

@@ -100,3 +100,42 @@ TEST_CASE("a battery below its reserve sends home, unless it is charging") {
   explorer.observe(b);
   CHECK_FALSE(guardian.overrule(explorer));
 }
+
+TEST_CASE("an explorer that is called home tells its waiting inspector first, but not for ever") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge explorer(m, RobotId{1}, 1), inspector(m, RobotId{2}, 1);
+  const SimTime begin = SimTime::from_s(10);
+  inspector.begin(begin);
+  explorer.begin(begin);
+  mission::Plan route;
+  route.kind = mission::PlanKind::kRoute;
+  mission::PlanStep end;
+  end.at = {SimTime::from_s(40), {{6, 2, 2}, 0}};
+  end.action = mission::PlanAction::kWait;
+  route.steps.push_back(end);
+  inspector.publish(store::RecordClass::kPlan, robot::plan_key(mission::PlanKind::kRoute), route);
+  {
+    mission::Beacon b;
+    b.envelope.src = RobotId{2};
+    b.role = mission::Role::kInspector;
+    b.epoch = 1;
+    explorer.hear(b);
+  }
+  robot::pass(inspector, explorer, store::RecordClass::kPlan);
+  explorer.begin(SimTime::from_s(20));
+  request(explorer, mission::RequestVerb::kAbort, kNoRobot, 1);
+  Guardian guardian;
+  const auto first = guardian.overrule(explorer);
+  REQUIRE(first);
+  CHECK(first->kind == Intent::Kind::kGo);
+  CHECK(first->with == RobotId{2});
+  CHECK(first->goal.p == Vec3(6, 2, 2));
+  explorer.begin(SimTime::from_s(59));  // 20 s later than it should be there
+  CHECK(guardian.overrule(explorer)->kind == Intent::Kind::kGo);
+  explorer.begin(SimTime::from_s(61));
+  CHECK(guardian.overrule(explorer)->kind == Intent::Kind::kLand);
+  // The inspector itself, called home, goes home.
+  request(inspector, mission::RequestVerb::kAbort, kNoRobot, 1);
+  Guardian other;
+  CHECK(other.overrule(inspector)->kind == Intent::Kind::kLand);
+}
