@@ -267,6 +267,7 @@ int run_hub(dds::Participant& participant, const std::set<std::uint32_t>& agents
   link.add_readers(participant, "up.*", ear);
   say("open");
   std::vector<std::future<void>> served;
+  served.reserve(agents.size());
   for (const std::uint32_t agent : agents) {
     served.push_back(
         std::async(std::launch::async, [&, agent] { serve(participant, ear, agent); }));

@@ -32,6 +32,7 @@ class Peer {
     posix_spawn_file_actions_adddup2(&files, in[0], 0);
     posix_spawn_file_actions_adddup2(&files, out[1], 1);
     std::vector<char*> argv;
+    argv.reserve(args.size() + 1);
     for (std::string& a : args) argv.push_back(a.data());
     argv.push_back(nullptr);
     REQUIRE(posix_spawn(&pid_, argv[0], &files, nullptr, argv.data(), environ) == 0);
@@ -60,7 +61,7 @@ class Peer {
       if (n <= 0) return {};
       heard_.append(text, static_cast<std::size_t>(n));
     }
-    const std::string l = heard_.substr(0, end);
+    std::string l = heard_.substr(0, end);
     heard_.erase(0, end + 1);
     return l;
   }

@@ -122,6 +122,8 @@ TEST_CASE("a robot answers a tick that is said again, and does not step again") 
   CHECK(steps == std::vector<std::uint64_t>{1, 2});
 }
 
+std::uint64_t trace_of(RobotId who, std::uint64_t k) { return std::uint64_t{100} * who.value + k; }
+
 /// One robot, the station, and the radio played by hand: all that the world needs to start.
 class Others {
  public:
@@ -151,7 +153,7 @@ class Others {
     mission::Done done;
     done.k = k;
     done.process = who;
-    done.trace = 100 * who.value + k;
+    done.trace = trace_of(who, k);
     done.envelope = {.n = k, .src = who, .cls = MessageClass::kDone, .sent = {}};
     writer.write(encode(done));
   }
@@ -173,7 +175,7 @@ TEST_CASE("an answer said again does not count for the next tick") {
     world.announce(k);
     if (k > 1) others.answer(k - 1);
     others.answer(k);
-    CHECK(world.await_robots().robots.at(kRobot).trace == 100 * kRobot.value + k);
+    CHECK(world.await_robots().robots.at(kRobot).trace == trace_of(kRobot, k));
     others.answer(k);  // and once more, between the two waits
     CHECK(world.await_radio().k == k);
     others.answer(k);
