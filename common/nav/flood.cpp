@@ -93,7 +93,7 @@ Flood::Flood(Grid& grid) : grid_(grid), pool_(grid.blocks()), worth_(kRemembered
 
 std::uint32_t Flood::worth(int step, std::uint32_t around) {
   const std::uint32_t key = around | static_cast<std::uint32_t>(step) << kSteps;
-  Worth& remembered = worth_[key * 2654435761u >> 20];
+  Worth& remembered = worth_[key * 2654435761u >> 18];
   if (remembered.around != key) remembered = {key, worth_trying(step, around)};
   return remembered.steps;
 }

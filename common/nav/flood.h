@@ -43,7 +43,7 @@ class Flood {
     std::uint32_t around = 0;  ///< with the step in the bits above
     std::uint32_t steps = 0;
   };
-  static constexpr std::uint32_t kRemembered = 4096;
+  static constexpr std::uint32_t kRemembered = 1u << 14;
 
   void push(Cell to, std::uint32_t cost, int step);
   std::uint32_t worth(int step, std::uint32_t around);

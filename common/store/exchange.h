@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -109,6 +110,18 @@ class Exchange {
     std::uint64_t seq = 0;
     auto operator<=>(const RecordId&) const = default;
   };
+  struct HashRecordId {
+    std::size_t operator()(const RecordId& id) const {
+      std::uint64_t h = id.seq;
+      for (const std::uint64_t part :
+           {std::uint64_t{id.stream.robot.value}, static_cast<std::uint64_t>(id.stream.cls),
+            std::uint64_t{id.stream.epoch}}) {
+        h = (h ^ part) * 0x9E3779B97F4A7C15u;
+        h ^= h >> 29;
+      }
+      return h;
+    }
+  };
   /// When a record was last on the air, as far as known here.
   struct Traffic {
     SimTime sent_at, heard_at;
@@ -168,8 +181,9 @@ class Exchange {
   ExchangeConfig config_;
   std::map<RobotId, Peer> peers_;
   std::map<RobotId, Heard> heard_;
-  std::map<RecordId, Traffic> traffic_;
-  std::deque<std::pair<std::uint64_t, StreamId>> sent_;  // ascending by envelope number
+  std::unordered_map<RecordId, Traffic, HashRecordId> traffic_;  // looked up for every record and
+                                                                 // peer; order reaches nothing
+  std::deque<std::pair<std::uint64_t, StreamId>> sent_;          // ascending by envelope number
   std::uint64_t digest_n_ = 0;
   SimTime digest_sent_at_;
   std::uint64_t digest_version_ = 0;  // of the store, when it was last sent

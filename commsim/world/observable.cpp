@@ -96,14 +96,15 @@ std::vector<Voxel> observable_surface(const Scene& scene, const mission::Mission
   }
   const Mesh& mesh = scene.mesh();
   const ViewFinder finder(scene, reachable, mission);
+  std::vector<std::size_t> lucky(rules.size(), 0);
   const auto seen = [&](const Sample& s) {
     const Vec3 a = corner(mesh, s.triangle, 0), b = corner(mesh, s.triangle, 1),
                c = corner(mesh, s.triangle, 2);
     const Vec3 n = (b - a).cross(c - a).normalized(), p = s.point.cast<double>();
     for (const Vec3& normal : {Vec3(n), Vec3(-n)}) {
       if (!finder.is_outside(p, normal)) continue;
-      for (const ViewRule& rule : rules) {
-        if (finder.find(p, normal, rule)) return true;
+      for (std::size_t i = 0; i < rules.size(); ++i) {
+        if (finder.can_see(p, normal, rules[i], lucky[i])) return true;
       }
     }
     return false;

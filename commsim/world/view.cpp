@@ -50,21 +50,58 @@ bool ViewFinder::is_outside(const Vec3& point, const Vec3& normal) const {
   return !hit || !hit->from_behind;
 }
 
-std::optional<Vec3> ViewFinder::find(const Vec3& point, const Vec3& normal,
-                                     const ViewRule& rule) const {
-  const double flat = std::hypot(normal.x(), normal.y());
-  const double c = flat > 1e-9 ? normal.x() / flat : 1, s = flat > 1e-9 ? normal.y() / flat : 0;
-  for (const Vec3& local : rule.directions()) {
-    const Vec3 d(c * local.x() - s * local.y(), s * local.x() + c * local.y(), local.z());
-    if (d.dot(normal) < rule.least_cos()) continue;
-    for (const double share : kDistanceShares) {
-      const Vec3 eye = point + share * rule.range_m() * d;
-      if (!reachable_.contains(eye)) continue;
-      if (scene_.line_of_sight(eye, point)) return eye;
-      break;  // what hides the point from here hides it from further out
-    }
+namespace {
+
+/// Turns a rule's directions to a surface with this normal.
+class Turn {
+ public:
+  explicit Turn(const Vec3& normal) {
+    const double flat = std::hypot(normal.x(), normal.y());
+    if (flat > 1e-9) c_ = normal.x() / flat, s_ = normal.y() / flat;
+  }
+  Vec3 operator()(const Vec3& local) const {
+    return {c_ * local.x() - s_ * local.y(), s_ * local.x() + c_ * local.y(), local.z()};
+  }
+
+ private:
+  double c_ = 1, s_ = 0;
+};
+
+}  // namespace
+
+std::optional<Vec3> ViewFinder::look_along(const Vec3& d, const Vec3& point, const Vec3& normal,
+                                           const ViewRule& rule) const {
+  if (d.dot(normal) < rule.least_cos()) return std::nullopt;
+  for (const double share : kDistanceShares) {
+    const Vec3 eye = point + share * rule.range_m() * d;
+    if (!reachable_.contains(eye)) continue;
+    if (scene_.line_of_sight(eye, point)) return eye;
+    break;  // what hides the point from here hides it from further out
   }
   return std::nullopt;
+}
+
+std::optional<Vec3> ViewFinder::find(const Vec3& point, const Vec3& normal,
+                                     const ViewRule& rule) const {
+  const Turn turn(normal);
+  for (const Vec3& local : rule.directions()) {
+    if (const auto eye = look_along(turn(local), point, normal, rule)) return eye;
+  }
+  return std::nullopt;
+}
+
+bool ViewFinder::can_see(const Vec3& point, const Vec3& normal, const ViewRule& rule,
+                         std::size_t& lucky) const {
+  const Turn turn(normal);
+  const auto& directions = rule.directions();
+  for (std::size_t i = 0; i <= directions.size(); ++i) {
+    const std::size_t k = i == 0 ? lucky : i - 1;
+    if (i > 0 && k == lucky) continue;
+    if (!look_along(turn(directions[k]), point, normal, rule)) continue;
+    lucky = k;
+    return true;
+  }
+  return false;
 }
 
 }  // namespace muster::world

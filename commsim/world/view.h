@@ -36,11 +36,18 @@ class ViewFinder {
 
   /// A reachable place that sees `point` of a surface with outward `normal` by `rule`.
   std::optional<Vec3> find(const Vec3& point, const Vec3& normal, const ViewRule& rule) const;
+  /// Is there one? Looks from direction `lucky` first and leaves there what was found: what sees a
+  /// point mostly sees its neighbours.
+  bool can_see(const Vec3& point, const Vec3& normal, const ViewRule& rule,
+               std::size_t& lucky) const;
   /// The side of a surface that could be seen at all lies outside solids: false when `normal`
   /// points into one.
   bool is_outside(const Vec3& point, const Vec3& normal) const;
 
  private:
+  std::optional<Vec3> look_along(const Vec3& d, const Vec3& point, const Vec3& normal,
+                                 const ViewRule& rule) const;
+
   const Scene& scene_;
   const ReachableSpace& reachable_;
   bool winding_tells_ =
