@@ -188,6 +188,9 @@ bool Exchange::weigh_stream(const Peer& peer, const StreamId& id, const Stream& 
   bool owed = false;
   std::vector<SeqRange> arriving;
   for (auto r = stream.held.upper_bound(complete); r != stream.held.end(); ++r) {
+    // Held back and waiting: nothing is due and no end is sent, whatever else is owed. In a crowd
+    // this is most of all records.
+    if (!may_forward && debt.held_back && debt.waiting) return true;
     if (held != nullptr && held->covers(r->first)) continue;
     if (weigh(peer, *r->second, now, may_forward, debt)) arriving.push_back({r->first, r->first});
     owed = true;
