@@ -85,7 +85,7 @@ std::optional<Vec3> ViewFinder::find(const Vec3& point, const Vec3& normal,
                                      const ViewRule& rule) const {
   const Turn turn(normal);
   for (const Vec3& local : rule.directions()) {
-    if (const auto eye = look_along(turn(local), point, normal, rule)) return eye;
+    if (auto eye = look_along(turn(local), point, normal, rule)) return eye;
   }
   return std::nullopt;
 }

@@ -46,8 +46,9 @@ map::VoxelMap& site() {
 }
 
 Vec3 open_place() {
-  for (double x = 3; x < 17; x += 0.2) {
-    if (site().traversable(Vec3(x, 10, 2))) return {x, 10, 2};
+  for (int i = 15; i < 85; ++i) {
+    const Vec3 p(0.2 * i, 10, 2);
+    if (site().traversable(p)) return p;
   }
   return {10, 10, 2};
 }
