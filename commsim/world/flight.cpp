@@ -31,7 +31,7 @@ const char* name_of(const std::array<const char*, N>& names, E value) {
 }
 
 /// After the station has declared the mission complete, robots get this long to come home.
-constexpr double kHomecoming_s = 120;
+constexpr double kHomecoming_s = 300;
 /// A call home is only judged by "all have landed" after they had the time to hear of it (at t = 0
 /// all stand on the ground).
 constexpr double kReaction_s = 5;

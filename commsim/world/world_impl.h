@@ -34,6 +34,7 @@ struct World::Impl {
     bool alive = true;
     double fastest_mps = 0;  ///< in the last tick
     double way_m = 0;        ///< flown or driven so far
+    SimTime moved_at;        ///< when it last moved
     std::vector<mission::Inspected> results;
     std::vector<Vec3> ray_ends;
   };
@@ -71,6 +72,7 @@ struct World::Impl {
   void record_answer(RobotId by, const InspectionCamera::Answer& answer);
   bool home() const;
   bool all_landed() const;
+  bool parked(const Robot& r) const;
 
   mission::Mission mission;
   std::shared_ptr<const Scene> scene;

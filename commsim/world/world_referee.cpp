@@ -11,6 +11,7 @@ namespace {
 constexpr double kCoverageGoal = 0.95;
 constexpr double kHomeM = 1.5;  // a landing counts as at the start within this, horizontally
 constexpr double kStandingMps = 0.05;
+constexpr double kParkedS = 20;  // a rover that stands this long does not go on: it may only turn
 
 /// Exact decimals: 1.8, not 1.7999999999999998.
 double in_s(SimTime t) { return static_cast<double>(t.us) / 1e6; }
@@ -51,6 +52,9 @@ void World::Impl::account() {
     }
     activity.tick(doing);
   }
+  for (Robot& r : robots) {
+    if (r.vehicle.velocity_mps().norm() >= kStandingMps) r.moved_at = now;
+  }
   if ((declared || called_home) && !home_at && home()) home_at = now;
 }
 
@@ -63,11 +67,15 @@ bool World::Impl::home() const {
   });
 }
 
+/// Has landed; or, of a rover, will not go on.
+bool World::Impl::parked(const Robot& r) const {
+  if (!r.config.vehicle.ground) return r.vehicle.resting();
+  return (now - r.moved_at).s() >= kParkedS;
+}
+
 bool World::Impl::all_landed() const {
-  return std::all_of(robots.begin(), robots.end(), [](const Robot& r) {
-    const bool standing = r.config.vehicle.ground && r.vehicle.velocity_mps().norm() < kStandingMps;
-    return r.vehicle.resting() || standing;
-  });
+  return home_at ||
+         std::all_of(robots.begin(), robots.end(), [&](const Robot& r) { return parked(r); });
 }
 
 void World::station_received(const store::Record& record, mission::MessageClass cls) {

@@ -261,6 +261,20 @@ TEST_CASE("home is when everybody has landed at their start after the declaratio
   CHECK(world.summary()["home_time_s"].is_number());
 }
 
+TEST_CASE("a rover that turns on its way home has not arrived") {
+  World world = make_world(small_fleet());
+  world.station_declares_complete();
+  world.begin_tick(0);
+  mission::Trajectory land;
+  land.land = true;
+  world.end_tick(0, {from(0, to({-6, 0, 0.4}, {-6, 4, 0.4}, 0, 5)), from(1, land), from(2, land)});
+  run(world, 1, 100);
+  CHECK_FALSE(world.progress().all_landed);  // stands, four metres off
+  run(world, 101, 300);
+  CHECK(world.progress().all_landed);  // it stays there
+  CHECK(world.summary()["home_time_s"].is_null());
+}
+
 TEST_CASE("equal seeds give equal bytes, different seeds do not") {
   const auto record = [](std::uint64_t seed) {
     mission::Mission m = small_fleet();
