@@ -8,18 +8,13 @@ namespace muster::command {
 
 using mission::Message;
 
-MemoryFleet::MemoryFleet(const mission::Mission& mission, ProcessFactory factory,
-                         const world::FlightConfig& config)
-    : MemoryFleet(mission, world::Scene::load(mission), std::move(factory), config) {}
-
-MemoryFleet::MemoryFleet(const mission::Mission& mission,
-                         const std::shared_ptr<const world::Scene>& scene, ProcessFactory factory,
-                         const world::FlightConfig& config)
+MemoryFleet::MemoryFleet(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene,
+                         ProcessFactory factory, const world::FlightConfig& config)
     : mission_(mission),
       factory_(std::move(factory)),
       out_(config.out),
       world_(mission_, scene),
-      relay_(mission_, scene),
+      relay_(mission_, std::move(scene)),
       flight_(mission_, world_, config) {
   for (const mission::RobotConfig& robot : mission_.fleet) start(robot.id);
 }

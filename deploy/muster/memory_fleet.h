@@ -30,8 +30,8 @@ std::unique_ptr<mission::Process> make_process(const mission::Mission& mission, 
 class MemoryFleet {
  public:
   /// Throws BadInput when the mission does not fit its scene.
-  MemoryFleet(const mission::Mission& mission, ProcessFactory factory,
-              const world::FlightConfig& config);
+  MemoryFleet(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene,
+              ProcessFactory factory, const world::FlightConfig& config);
   ~MemoryFleet();
 
   /// One tick of 0.1 s. Why the run is over, once it is.
@@ -61,9 +61,6 @@ class MemoryFleet {
   std::map<RobotId, std::vector<mission::Message>> sent_;
   std::vector<mission::Message> commands_;
   std::uint64_t k_ = 0;
-
-  MemoryFleet(const mission::Mission& mission, const std::shared_ptr<const world::Scene>& scene,
-              ProcessFactory factory, const world::FlightConfig& config);
 };
 
 }  // namespace muster::command

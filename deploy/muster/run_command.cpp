@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "commsim/world/scene.h"
 #include "commsim/world/site_check.h"
@@ -37,11 +38,13 @@ int run(RunOptions& options) {
       std::filesystem::absolute(options.mission_file).lexically_normal().string();
   options.out = std::filesystem::absolute(options.out).lexically_normal().string();
   // Before anything is made or started.
-  world::check_site(mission, *world::Scene::load(mission));
+  std::shared_ptr<const world::Scene> scene = world::Scene::load(mission);
+  world::check_site(mission, *scene);
   if (options.transport == "dds") options.domain = free_domain(options.domain);
   options.out_is_new = prepare_output(options.out);
-  return options.transport == "memory" ? run_in_memory(mission, options)
-                                       : run_over_dds(mission, options);
+  if (options.transport == "memory") return run_in_memory(mission, std::move(scene), options);
+  scene.reset();  // the world's process loads its own
+  return run_over_dds(mission, options);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ class Flown {
       : mission_(
             mission::Mission::load(std::string(MUSTER_SOURCE_DIR) + "/tests/missions/" + mission,
                                    {"seed=" + std::to_string(seed)})),
-        fleet_(mission_,
+        fleet_(mission_, world::Scene::load(mission_),
                [this](const mission::Mission& m, RobotId id, std::uint64_t epoch) {
                  auto process = command::make_process(m, id, epoch);
                  robots_[id] = dynamic_cast<const robot::Robot*>(process.get());
