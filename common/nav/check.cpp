@@ -95,28 +95,18 @@ class MapGuard {
   map::VoxelKey last_;
 };
 
-/// One other body, asked at growing times.
+/// One other body.
 class Other {
  public:
   Other(const Mover& mover, double required_m)
-      : states_(&mover.announced), robot_(mover.robot), required_m_(required_m) {}
+      : mover_(&mover), robot_(mover.robot), required_m_(required_m) {}
   Other(const map::Sphere& sphere, double required_m)
       : centre_(sphere.center), required_m_(required_m) {}
-
-  Vec3 at(SimTime t) {
-    if (!states_) return centre_;
-    const auto& s = *states_;
-    while (next_ < s.size() && s[next_].t <= t) ++next_;
-    if (next_ == 0) return s.front().p;
-    if (next_ == s.size()) return s.back().p;
-    const State &a = s[next_ - 1], &b = s[next_];
-    return a.p + (b.p - a.p) * ((t - a.t).s() / (b.t - a.t).s());
-  }
 
   /// Too near, and not merely still too near while getting away. `first`: where our body was at the
   /// start.
   bool conflict(SimTime t, const Vec3& p, const Vec3& first) {
-    const Vec3 there = at(t);
+    const Vec3 there = mover_ ? mover_->at(t) : centre_;
     const double distance = (p - there).norm();
     if (!started_) {
       started_ = true;
@@ -137,11 +127,10 @@ class Other {
   }
 
  private:
-  const std::vector<State>* states_ = nullptr;
+  const Mover* mover_ = nullptr;
   Vec3 centre_ = Vec3::Zero();
   RobotId robot_ = kNoRobot;
   double required_m_ = 0;
-  std::size_t next_ = 0;
   bool started_ = false, escaping_ = false;
 };
 

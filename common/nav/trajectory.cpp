@@ -54,4 +54,13 @@ Trajectory stop(const State& now, const Limits& limits) {
   return Trajectory({now, halt});
 }
 
+Vec3 Mover::at(SimTime t) const {
+  const auto next = std::upper_bound(announced.begin(), announced.end(), t,
+                                     [](SimTime value, const State& s) { return value < s.t; });
+  if (next == announced.begin()) return announced.front().p;
+  if (next == announced.end()) return announced.back().p;
+  const State &a = *(next - 1), &b = *next;
+  return a.p + (b.p - a.p) * ((t - a.t).s() / (b.t - a.t).s());
+}
+
 }  // namespace muster::nav

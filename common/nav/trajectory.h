@@ -58,7 +58,9 @@ Trajectory stop(const State& now, const Limits& limits);
 struct Mover {
   RobotId robot = kNoRobot;
   double radius_m = 0.25;
-  std::vector<State> announced;  ///< linear between; hover after the last
+  std::vector<State> announced;  ///< linear between; hover after the last; not empty to be asked
+
+  Vec3 at(SimTime t) const;  ///< where it says it will be
 };
 
 struct Unsafe {
