@@ -41,6 +41,7 @@ constexpr Duration kReaction{300'000};
 constexpr double kHeadway_m = 0.1;  // what is left between us when both have braked
 constexpr double kFollows_m = 4.0, kMoves_mps = 0.3;
 constexpr Duration kForesight{2'500'000};
+constexpr double kAnnounceStep_s = 0.5, kAnnounceSpan_s = 6.0;
 constexpr double kSettled_m = 0.12, kSettled_rad = 0.08;
 
 bool same_goal(const Intent& a, const Intent& b) {
@@ -272,20 +273,34 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
   return commands;
 }
 
+std::vector<mission::TimedPose> Executive::announcement(SimTime now) const {
+  std::vector<mission::TimedPose> announced;
+  if (trajectory_.empty()) return announced;
+  for (int i = 1; i * kAnnounceStep_s <= kAnnounceSpan_s; ++i) {
+    const SimTime at = now + Duration::from_s(i * kAnnounceStep_s);
+    const nav::State s = trajectory_.at(at);
+    announced.push_back({at, {s.p, s.yaw_rad}});
+    if (at >= trajectory_.end()) break;
+  }
+  return announced;
+}
+
 /// The one that we follow too closely: should it brake, braking a little later would not do, and
 /// braking now helps.
 std::optional<RobotId> Executive::follows_too_closely(const Knowledge& k) const {
   const SimTime now = k.now();
+  if (movers_.empty()) return std::nullopt;
+  const nav::Trajectory at_once = nav::braking_late(trajectory_, now, kTick, limits_);
+  const nav::Trajectory late = nav::braking_late(trajectory_, now, kReaction, limits_);
   for (const nav::Mover& m : movers_) {
     if ((m.announced.front().p - k.position()).norm() > kFollows_m) continue;
     if (nav::speed(m, now) < kMoves_mps) continue;  // what stands is checked as it is
     const nav::Mover halted = nav::braking(m, now, limits_of(k.mission().robot(m.robot).vehicle));
-    const auto gap_m = [&](Duration reaction) {
-      const nav::Trajectory halt = nav::braking_late(trajectory_, now, reaction, limits_);
+    const auto gap_m = [&](const nav::Trajectory& halt) {
       return nav::least_gap(halt, radius_m_, halted, now, kForesight);
     };
-    const double late_m = gap_m(kReaction);
-    if (late_m < kHeadway_m && gap_m(kTick) > late_m + 0.01) return m.robot;
+    const double late_m = gap_m(late);
+    if (late_m < kHeadway_m && gap_m(at_once) > late_m + 0.01) return m.robot;
   }
   return std::nullopt;
 }

@@ -45,6 +45,8 @@ class Executive {
 
   const Progress& progress() const { return progress_; }
   const nav::Trajectory& trajectory() const { return trajectory_; }
+  /// Where it will be in the next seconds, for its beacon; empty when it goes nowhere.
+  std::vector<mission::TimedPose> announcement(SimTime now) const;
 
  private:
   struct Obstacle {

@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kBeaconPeriod_s = 0.3;
 constexpr std::size_t kAirBudget_bytes = std::size_t{256} * 1024;  // per tick: about 20 Mbit/s
-constexpr double kAnnounceStep_s = 0.5, kAnnounceSpan_s = 6.0;
 constexpr double kFreshMate_s =
     0.5;  // DESIGN "Map and motion": returns fit a teammate heard within this
 
@@ -193,13 +192,7 @@ mission::Beacon Robot::beacon() {
   b.activity = intent_.activity;
   b.radius_m = static_cast<float>(knowledge_.config().vehicle.radius_m);
   b.battery = knowledge_.battery().charge;
-  const nav::Trajectory& t = executive_.trajectory();
-  for (int i = 1; !t.empty() && i * kAnnounceStep_s <= kAnnounceSpan_s; ++i) {
-    const SimTime at = now + Duration::from_s(i * kAnnounceStep_s);
-    const nav::State s = t.at(at);
-    b.trajectory.push_back({at, {s.p, s.yaw_rad}});
-    if (at >= t.end()) break;
-  }
+  b.trajectory = executive_.announcement(now);
   if (knowledge_.exchange().digest_due(now)) {
     b.digest_n = knowledge_.exchange().digest_sent(now);
     b.digest = knowledge_.store().digest();

@@ -58,7 +58,6 @@ class Flyer {
     if (executive_.step(knowledge_, intent_).trajectory) flown_ = executive_.trajectory();
   }
 
-  /// As Robot's: the next 6 s in steps of 0.5 s.
   mission::Beacon beacon(SimTime now) const {
     mission::Beacon b;
     b.envelope.src = knowledge_.self();
@@ -68,12 +67,7 @@ class Flyer {
     b.velocity_mps = knowledge_.odometry().velocity_mps;
     b.activity = intent_.activity;
     b.radius_m = 0.25f;
-    for (int i = 1; !flown_.empty() && i <= 12; ++i) {
-      const SimTime at = now + Duration::from_s(0.5 * i);
-      const nav::State s = flown_.at(at);
-      b.trajectory.push_back({at, {s.p, s.yaw_rad}});
-      if (at >= flown_.end()) break;
-    }
+    b.trajectory = executive_.announcement(now);
     return b;
   }
 
