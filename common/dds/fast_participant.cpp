@@ -45,6 +45,11 @@ bool is_cyclone(const rtps::GuidPrefix_t& prefix) {
   return prefix.value[0] == 0x01 && prefix.value[1] == 0x10;
 }
 
+/// As radio: nobody hears itself.
+bool is_own(const fast::DomainParticipant& participant, const rtps::GuidPrefix_t& prefix) {
+  return prefix == participant.guid().guidPrefix;
+}
+
 class FastWriter final : public Writer,
                          private fast::DataWriterListener,
                          private FastGreeter::Client {
@@ -85,7 +90,7 @@ class FastWriter final : public Writer,
                               const fast::PublicationMatchedStatus& status) override {
     writer_ = writer;  // may come while it is being created
     const rtps::GuidPrefix_t other = prefix_of(status.last_subscription_handle);
-    if (other == participant_->guid().guidPrefix) return;  // as radio: nobody hears itself
+    if (is_own(*participant_, other)) return;
     const bool ask = reliable_ && status.current_count_change > 0 && is_cyclone(other);
     if (ask) ++asked_;
     matched_ += status.current_count_change;
@@ -148,13 +153,9 @@ class FastReader final : public Reader, private fast::DataReaderListener {
   int matched() const override { return matched_; }
 
  private:
-  /// As radio: nobody hears itself.
-  bool is_own(const rtps::GuidPrefix_t& prefix) const {
-    return prefix == participant_->guid().guidPrefix;
-  }
   void on_subscription_matched(fast::DataReader*,
                                const fast::SubscriptionMatchedStatus& status) override {
-    if (is_own(prefix_of(status.last_publication_handle))) return;
+    if (is_own(*participant_, prefix_of(status.last_publication_handle))) return;
     matched_ += status.current_count_change;
     if (on_match_) on_match_();
   }
@@ -167,7 +168,7 @@ class FastReader final : public Reader, private fast::DataReaderListener {
       fast::SampleInfo info;
       if (reader->take_next_sample(&message.cdr, &info) != ReturnCode_t::RETCODE_OK) return;
       if (!info.valid_data || message.cdr.size() <= kGreetingSize) continue;
-      if (is_own(info.sample_identity.writer_guid().guidPrefix)) continue;
+      if (is_own(*participant_, info.sample_identity.writer_guid().guidPrefix)) continue;
       on_message_(std::move(message));
     }
   }

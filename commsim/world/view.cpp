@@ -12,6 +12,21 @@ constexpr double kDistanceShares[] = {0.17, 0.3, 0.45, 0.7, 0.95};
 constexpr double kElevationShares[] = {0.5, 0.1, 0.9, 0.3, 0.7, 0.0, 1.0};
 constexpr int kAzimuths = 16;
 
+/// Turns a rule's directions to a surface with this normal.
+class Turn {
+ public:
+  explicit Turn(const Vec3& normal) {
+    const double flat = std::hypot(normal.x(), normal.y());
+    if (flat > 1e-9) c_ = normal.x() / flat, s_ = normal.y() / flat;
+  }
+  Vec3 operator()(const Vec3& local) const {
+    return {c_ * local.x() - s_ * local.y(), s_ * local.x() + c_ * local.y(), local.z()};
+  }
+
+ private:
+  double c_ = 1, s_ = 0;
+};
+
 }  // namespace
 
 ViewRule::ViewRule(const mission::Vehicle& vehicle, double range_m, double max_incidence_rad)
@@ -49,25 +64,6 @@ bool ViewFinder::is_outside(const Vec3& point, const Vec3& normal) const {
   const auto hit = scene_.cast(point + 0.005 * normal, normal, 100);
   return !hit || !hit->from_behind;
 }
-
-namespace {
-
-/// Turns a rule's directions to a surface with this normal.
-class Turn {
- public:
-  explicit Turn(const Vec3& normal) {
-    const double flat = std::hypot(normal.x(), normal.y());
-    if (flat > 1e-9) c_ = normal.x() / flat, s_ = normal.y() / flat;
-  }
-  Vec3 operator()(const Vec3& local) const {
-    return {c_ * local.x() - s_ * local.y(), s_ * local.x() + c_ * local.y(), local.z()};
-  }
-
- private:
-  double c_ = 1, s_ = 0;
-};
-
-}  // namespace
 
 std::optional<Vec3> ViewFinder::look_along(const Vec3& d, const Vec3& point, const Vec3& normal,
                                            const ViewRule& rule) const {
