@@ -1,5 +1,0 @@
-add_executable(bench_map map_bench.cpp)
-target_compile_options(bench_map PRIVATE ${MUSTER_WARNINGS})
-target_include_directories(bench_map PRIVATE ${CMAKE_SOURCE_DIR})
-target_link_libraries(bench_map PRIVATE muster_map)
-set_target_properties(bench_map PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)

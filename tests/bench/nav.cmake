@@ -1,6 +1,0 @@
-find_package(benchmark REQUIRED)
-add_executable(bench_nav nav_bench.cpp)
-target_compile_options(bench_nav PRIVATE ${MUSTER_WARNINGS})
-target_include_directories(bench_nav PRIVATE ${CMAKE_SOURCE_DIR})
-target_link_libraries(bench_nav PRIVATE muster_nav benchmark::benchmark)
-set_target_properties(bench_nav PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)

@@ -1,6 +1,0 @@
-find_package(benchmark REQUIRED)
-add_executable(bench_world world_bench.cpp)
-target_compile_options(bench_world PRIVATE ${MUSTER_WARNINGS})
-target_include_directories(bench_world PRIVATE ${CMAKE_SOURCE_DIR})
-target_link_libraries(bench_world PRIVATE muster_world benchmark::benchmark)
-set_target_properties(bench_world PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
