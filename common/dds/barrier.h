@@ -12,11 +12,11 @@
 /// What the three sides of the lock-step share (DESIGN "Time and determinism"): who sits where,
 /// which topics, how long to wait.
 ///
-///     bus domain D (hub: world)                       air domain D+1 (hub: radio)
-///     sim: tick, truth ─▶ robots, radio               up.<id>:   8 topics, robot ─▶ radio
-///          done ◀─ robots, radio                      down.<id>: 8 topics, radio ─▶ robot (and the
-///          station's also ─▶ world)
-///     bus.<id>: samples ─▶ robot, commands ◀─ robot   sim: done, robot ─▶ radio
+///     bus domain D (hub: world)                        air domain D+1 (hub: radio)
+///     sim: tick, truth ─▶ robots, radio                up.<id>:   8 topics, robot ─▶ radio
+///          done ◀─ robots, radio                       down.<id>: 8 topics, radio ─▶ robot
+///     bus.<id>: samples ─▶ robot, commands ◀─ robot               (the station's ─▶ world, too)
+///                                                      sim: done, robot ─▶ radio
 ///
 /// In a star, participants that are not the hub do not see each other; that is why a robot says
 /// `done` in both domains.

@@ -75,10 +75,10 @@ struct Sphere {
 /// What a robot knows of the place: its own evidence (an OctoMap OcTree, from its own scans only)
 /// merged with the blocks that others sent.
 ///
-///     own OcTree ──┐ (evidence, log-odds)
-///                  ├─▶ merged block grid (unknown | free | occupied) ─▶ traversability counts,
-///                  frontiers, paths
-///     others' blocks ┘ (newest per author; recomputed, never accumulated)
+///     own OcTree ─────┐ (evidence, log-odds)
+///                     ├─▶ merged block grid (unknown | free | occupied)
+///     others' blocks ─┘     ─▶ traversability counts, frontiers, paths
+///     (others': the newest of each author; recomputed, never accumulated)
 ///
 /// A merged voxel: occupied when the own map or any author's newest block says occupied and the own
 /// map does not say free; else free when anyone says free; else unknown. Own evidence wins over

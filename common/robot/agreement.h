@@ -11,10 +11,10 @@ namespace muster::robot {
 /// "Meetings"; S0 IV-B, S0.6). Both sides derive it from the same two records, the explorer's
 /// proposal and the station's acknowledgement of exactly that proposal:
 ///
-///              propose m+1                     ack of m+1 heard in this contact
-///     agreed m ───────────▶ agreed m, pending m+1 ───────────────────────────────▶ agreed m+1
-///     (explorer, the proposer) agreed m ── proposal m+1 heard in contact, ack written
-///     ────────────────────▶ agreed m+1      (station, the acknowledger)
+///     explorer (proposes):      agreed m ──propose──▶ agreed m, pending m+1
+///                                                       │ acknowledgement heard in this contact
+///                                                       └──▶ agreed m+1
+///     station (acknowledges):   agreed m ──proposal heard in contact, acknowledgement written──▶ agreed m+1
 ///
 /// An acknowledgement that arrives after the contact is void: then the station follows m+1 and the
 /// explorer m, and both end on the same

@@ -12,9 +12,11 @@ namespace muster::robot {
 /// the tick in which they are heard; the battery reserve; the lost-contact limit. Fence and ceiling
 /// are the map's bounds: nothing outside is ever traversable.
 ///
-///     resume ◀── hold: stay where it is      return: home, hover      land: here      abort: home
-///     and land battery below reserve, or nobody heard for the mission's lost_contact_s: in
-///     turns, home and land
+///     hold                  stay where it is, until `resume`
+///     return                home, and hover there
+///     land                  here
+///     abort                 home, and land
+///     battery below reserve, or nobody heard for the mission's lost_contact_s:  home, and land
 ///
 /// Who is called home together with everybody does not leave the others waiting where nothing is
 /// heard: an explorer, which knows where its inspectors' routes end, tells those near its way

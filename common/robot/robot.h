@@ -13,10 +13,9 @@ namespace muster::robot {
 
 /// One robot or station as a pure function of what reaches it. Once per tick:
 ///
-///     bus, air ─▶ Knowledge ─▶ Strategy.decide ─▶ (Guardian may overrule) ─▶ Executive ─▶
-///     trajectory, inspection
-///                     │                                                                        │
-///                     └──────────── records, exchange, beacon ─▶ air ◀─── announced trajectory ┘
+///     bus, air ─▶ Knowledge ─▶ Strategy.decide ─▶ (Guardian may overrule) ─▶ Executive ─▶ bus
+///                     │                                                          │
+///                     └─ records, exchange ─▶ air ◀─ beacon, announced trajectory ┘
 class Robot : public mission::Process {
  public:
   Robot(const mission::Mission& mission, RobotId self, std::unique_ptr<Strategy> strategy,

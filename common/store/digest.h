@@ -17,8 +17,8 @@ struct SeqRange {
 /// What somebody holds of one author's records of one class.
 ///
 ///     seq       1 2 3 4 5 6 7 8 9 10
-///     complete  ────────┤              for every key: the author's newest version ≤ 5 is held, or
-///     a newer one beyond                ■   ■ ■    also seen: 7, 9, 10
+///     complete  ────────┤              the author's newest version ≤ 5 of every key, or a newer one
+///     beyond                ■   ■ ■    also seen: 7, 9, 10
 ///
 /// One number alone would lose records: a lost seq looks just like one that was superseded before
 /// anybody asked.

@@ -38,10 +38,9 @@ struct ExchangeConfig {
 /// Decides what to send to whom, so that whoever can hear each other ends up holding the same
 /// records.
 ///
-///     R ── beacon + digest ──▶ S      what R holds
-///     R ◀──── records ──────── S      what S holds and R lacks: value first, paced; everybody in
-///     reach hears them R ◀────── end ────────── S      "n₁ … n₂ held so many of each stream; then
-///     you are as complete as I am"
+///     R ── beacon + digest ──▶ S   what R holds
+///     R ◀───── records ─────── S   what S holds and R lacks: value first, paced; all in reach hear it
+///     R ◀─────── end ───────── S   "n₁ … n₂ held so many of each stream; now be as complete as I am"
 ///
 /// An end is sent only when R cannot see by itself that nothing is missing (a gap in the numbers:
 /// superseded, or lost?). It counts; it never assumes: R raises its `complete` only when it heard

@@ -12,13 +12,11 @@ namespace muster::world {
 
 /// One robot's inspection camera and what it is busy with (RULES "Sighting and inspecting").
 ///
-///     request ──▶ watching: each 0.1 s, is the area in view? each true feature within match_m of
-///     it?
-///                   │ some feature held hold_s without a break, and no other one under way   ──▶
-///                   kFound, ids │ no true feature near, area held hold_s ──▶ kEmpty │ nothing in
-///                   view for hold_s + 3 s                                       ──▶ kRefusedView
-///                   └ request 0 or (unless `inspect: shared`) a new request                  ──▶
-///                   kCancelled
+///     request ──▶ watching: each 0.1 s, is the area in view? each true feature within match_m of it?
+///                   ├─ a feature held hold_s without a break, no other under way   ─▶ kFound, ids
+///                   ├─ no true feature near, area held hold_s                      ─▶ kEmpty
+///                   ├─ nothing in view for hold_s + 3 s                            ─▶ kRefusedView
+///                   └─ request 0 or (unless `inspect: shared`) a new request       ─▶ kCancelled
 ///
 /// In view: within the camera's field of view and range, unoccluded by site and bodies, incidence
 /// within the limit, the vehicle no faster than the limit. For a feature this is exact. The area

@@ -21,12 +21,11 @@ Reference sample(const std::vector<mission::TimedState>& states, SimTime t);
 /// One simulated vehicle with its autopilot: follows what it was last told as far as its limits
 /// allow.
 ///
-///            trajectory            last state reached, land           surface below
-///     hold ────────────▶ follow ───────────────────────────▶ descend ──────────────▶ down
-///       ▲  ◀──────────────  │ empty trajectory: brake, hold       ▲                    │ new
-///       trajectory: └───────────────────┘                                     │ └──▶ follow
-///       (take-off)
-///                                process silent for 1 s, or battery empty: brake, then
+///              trajectory            last state reached, land
+///     hold ◀──────────────▶ follow ───────────────────────────▶ descend ──▶ down
+///      │    empty: brake      ▲                                    ▲          │
+///      │                      └───────────── trajectory: take off ─┼──────────┘
+///      └── process silent for 1 s, or battery empty: brake, then ──┘
 ///
 /// A trajectory within the limits is followed exactly; what asks for more speed, acceleration or
 /// yaw rate than the vehicle has is lagged behind, never jumped to. A UGV moves in the plane, rides

@@ -14,8 +14,8 @@ namespace muster::world {
 /// The simulated place, vehicles, sensors, batteries and the referee, as a pure core stepped from
 /// outside:
 ///
-///     begin_tick(k) ─▶ bus samples per robot, truth ─▶ … robots think … ─▶ end_tick(k, their bus
-///     messages) ─▶ k+1
+///     begin_tick(k) ─▶ bus samples per robot, truth ─▶ … robots think …
+///     end_tick(k)   ◀─ their bus messages;  then k+1
 ///
 /// A tick is 0.1 s; vehicles and collisions sub-step at 0.02 s inside `end_tick`.
 class World {
