@@ -38,7 +38,6 @@ nav::Limits limits_of(const mission::Vehicle& vehicle) {
 Knowledge::Knowledge(const mission::Mission& mission, RobotId self, std::uint64_t epoch)
     : mission_(mission),
       self_(self),
-      epoch_(epoch),
       limits_(limits_of(mission.robot(self).vehicle)),
       map_(map_config(mission, self)),
       paths_(map_),

@@ -55,7 +55,8 @@ class Knowledge {
   RobotId self() const { return self_; }
   const mission::RobotConfig& config() const { return mission_.robot(self_); }
   const nav::Limits& limits() const { return limits_; }
-  std::uint64_t epoch() const { return epoch_; }
+  /// Of what it writes now; may rise (RecordStore).
+  std::uint64_t epoch() const { return store_.epoch(); }
 
   SimTime now() const { return now_; }
   const mission::Odometry& odometry() const { return odometry_; }
@@ -123,7 +124,6 @@ class Knowledge {
 
   mission::Mission mission_;
   RobotId self_;
-  std::uint64_t epoch_;
   nav::Limits limits_;
   SimTime now_;
   mission::Odometry odometry_;
