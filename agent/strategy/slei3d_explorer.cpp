@@ -113,7 +113,6 @@ robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress&
 }
 
 // ---- the station
-// ----------------------------------------------------------------------------------------------------
 
 std::optional<robot::Intent> Slei3dExplorer::meet_station(robot::Knowledge& k,
                                                           const robot::Progress&) {
@@ -273,7 +272,6 @@ void Slei3dExplorer::tell_progress(robot::Knowledge& k) {
 }
 
 // ---- the inspectors
-// -------------------------------------------------------------------------------------------------
 
 std::optional<robot::Intent> Slei3dExplorer::visit(robot::Knowledge& k,
                                                    const robot::Progress& progress) {

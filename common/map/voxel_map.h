@@ -133,7 +133,6 @@ class VoxelMap {
   bool line_of_sight(const Vec3& a, const Vec3& b, bool through_unknown) const;
 
   // ---- exchange
-  // -----------------------------------------------------------------------------------------------------
   /// Own blocks changed since the cursor (0 at first), which is advanced. Ordered.
   std::vector<BlockKey> own_changes(std::uint64_t& cursor) const;
   /// 16³ voxels of the own map, 2 bits each, x fastest, then y, then z, low bits first, zstd:
@@ -144,7 +143,6 @@ class VoxelMap {
   void merge(RobotId author, BlockKey b, ByteView zstd_2bit);
 
   // ---- change feed for frontiers and planners
-  // --------------------------------------------------------------------------
   /// Blocks whose merged voxels changed since the cursor (0 at first), which is advanced. Ordered.
   std::vector<BlockKey> changes(std::uint64_t& cursor) const;
   std::uint64_t revision() const;  ///< grows with every change of a merged voxel

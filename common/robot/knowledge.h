@@ -50,7 +50,6 @@ class Knowledge {
   Knowledge(const mission::Mission& mission, RobotId self, std::uint64_t epoch);
 
   // ---- who and what I am
-  // ----------------------------------------------------------------------------------------------
   const mission::Mission& mission() const { return mission_; }
   RobotId self() const { return self_; }
   const mission::RobotConfig& config() const { return mission_.robot(self_); }
@@ -72,7 +71,6 @@ class Knowledge {
   const store::Exchange& exchange() const { return exchange_; }
 
   // ---- teammates
-  // ------------------------------------------------------------------------------------------------------
   const std::map<RobotId, Teammate>& teammates() const { return teammates_; }
   /// A beacon was heard within 1 s: contact is physical (DESIGN "Meetings").
   bool in_contact(RobotId id) const;
@@ -85,7 +83,6 @@ class Knowledge {
   bool knows(RobotId id, store::RecordClass cls, std::uint64_t key) const;
 
   // ---- records, decoded
-  // -----------------------------------------------------------------------------------------------
   const std::map<mission::AreaRef, AreaKnown>& areas() const { return areas_; }
   const std::map<mission::AreaRef, ResultKnown>& results() const { return results_; }
   bool inspected(const mission::AreaRef& area) const { return results_.contains(area); }
@@ -100,7 +97,6 @@ class Knowledge {
   const std::map<RobotId, SimTime>& declared_lost() const { return lost_; }
 
   // ---- writing (platform and the owner's strategy)
-  // --------------------------------------------------------------------
   void begin(SimTime now) { now_ = now; }
   void observe(const mission::Odometry& odometry) { odometry_ = odometry; }
   void observe(const mission::Battery& battery) { battery_ = battery; }

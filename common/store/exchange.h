@@ -56,7 +56,6 @@ class Exchange {
   Exchange(RecordStore& store, Random random, const ExchangeConfig& config = {});
 
   // ---- heard
-  // ---------------------------------------------------------------------------------------------------------
   /// `digest_n` 0: this beacon carries no digest.
   void on_beacon(RobotId from, std::uint64_t epoch, std::uint64_t digest_n,
                  std::span<const DigestEntry> digest, SimTime now);
@@ -68,7 +67,6 @@ class Exchange {
   void neighbour_lost(RobotId id);
 
   // ---- to send
-  // -------------------------------------------------------------------------------------------------------
   struct Action {
     std::uint64_t n = 0;             ///< the envelope's number, taken from `next_n`
     const Record* record = nullptr;  ///< to be sent as it is; good until the store changes
@@ -86,7 +84,6 @@ class Exchange {
   std::uint64_t digest_sent(SimTime now);
 
   // ---- contact
-  // -------------------------------------------------------------------------------------------------------
   std::vector<RobotId> contacts(SimTime now) const;
   bool in_contact(RobotId id, SimTime now) const;
   /// By its latest digest, `neighbour` lacks nothing that is held here, and has nothing that is

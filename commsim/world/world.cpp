@@ -92,7 +92,6 @@ World::World(const mission::Mission& mission, std::shared_ptr<const Scene> scene
 World::~World() = default;
 
 // ---- a tick's samples
-// ---------------------------------------------------------------------------------------------------
 
 World::Impl::Robot* World::Impl::find(RobotId id) {
   const auto it = std::find_if(robots.begin(), robots.end(),
@@ -227,7 +226,6 @@ std::uint64_t World::trace() const {
 }
 
 // ---- a tick's motion
-// ------------------------------------------------------------------------------------------------------
 
 void World::end_tick(std::uint64_t k, const std::vector<mission::Message>& commands) {
   Impl& w = *impl_;
@@ -330,7 +328,6 @@ void World::Impl::look(Robot& robot, SimTime at) {
 }
 
 // ---- from outside
-// ---------------------------------------------------------------------------------------------------------
 
 void World::set_alive(RobotId id, bool alive) {
   Impl::Robot* robot = impl_->find(id);

@@ -51,7 +51,6 @@ class World {
   std::vector<mission::ScriptedEvent> scripted(std::uint64_t k) const;
 
   // ---- referee (RULES.md); fed by whoever sees the station's map and records
-  // -----------------------------------------
   /// What the station holds now: newly delivered findings and inspections, and its map blocks
   /// (known voxels), by the records it received.
   void station_received(const store::Record& record, mission::MessageClass cls);

@@ -48,7 +48,6 @@ struct World::Impl {
        const std::vector<Vec3>& surface);
 
   // ---- stepping
-  // -------------------------------------------------------------------------------------------------------
   Robot* find(RobotId id);
   void refresh_bodies();
   void sample(Robot& robot, std::size_t index, Samples& out);
@@ -65,7 +64,6 @@ struct World::Impl {
   void send(Samples& out, T message);
 
   // ---- refereeing
-  // -----------------------------------------------------------------------------------------------------
   void account();
   void event(const char* what, nlohmann::json details, SimTime at);
   void violation(const std::string& what);

@@ -64,7 +64,6 @@ class Launcher {
   bool direct() const { return options_.link == "direct"; }
 
   // ---- starting
-  // ------------------------------------------------------------------------------------------------------
 
   void start_all() {
     setenv(kLauncherVariable, std::to_string(getpid()).c_str(), 1);
@@ -148,7 +147,6 @@ class Launcher {
   }
 
   // ---- watching
-  // ------------------------------------------------------------------------------------------------------
 
   void wait() {
     std::vector<pollfd> polls{{interrupt_.wished() ? -1 : interrupt_.fd(), POLLIN, 0}};
@@ -270,7 +268,6 @@ class Launcher {
   }
 
   // ---- ending
-  // --------------------------------------------------------------------------------------------------------
 
   void stop(const std::string& reason) {
     if (leaving_ || stopping_) return;

@@ -38,7 +38,6 @@ std::string time_axis(const RunData& run) {
 }
 
 // ---- the site
-// -------------------------------------------------------------------------------------------------------
 
 using Project = double (*)(const RunData::Sample&);
 
@@ -109,7 +108,6 @@ std::string swatch(const std::string& kind, const std::string& label) {
 }
 
 // ---- features over time
-// ---------------------------------------------------------------------------------------------
 
 std::vector<double> times(const RunData& run, std::optional<double> RunData::Feature::*when) {
   std::vector<double> all;
@@ -141,7 +139,6 @@ std::string milestone(const RunData& run, const char* key, const char* label) {
 }
 
 // ---- timeline
-// -------------------------------------------------------------------------------------------------------
 
 /// What a robot may say it is doing, as in tracks.csv; each is also the name of its colour.
 constexpr std::array kActivities = {"exploring",  "inspecting", "meeting", "waiting",

@@ -26,7 +26,6 @@ std::string text_of(const RunData& run, const char* key, const std::string& othe
 }
 
 // ---- the result in words
-// --------------------------------------------------------------------------------------------
 
 std::string headline(const RunData& run) {
   const auto t = figure(run, "t_s"), finish = figure(run, "finish_time_s");
@@ -77,7 +76,6 @@ std::string lost_line(const RunData& run) {
 }
 
 // ---- tiles
-// ----------------------------------------------------------------------------------------------------------
 
 std::string tile(const std::string& label, const std::string& value, const std::string& unit,
                  const char* verdict = "") {
@@ -106,7 +104,6 @@ std::string tiles(const RunData& run) {
 }
 
 // ---- every number
-// ---------------------------------------------------------------------------------------------------
 
 std::string leaf(const json& value) {
   if (value.is_null()) return "<span class=\"quiet\">–</span>";
