@@ -24,7 +24,13 @@ class PanoramaReader {
   Worth at(const Pose& pose) const;
 
  private:
-  Worth column(const Vec3& eye, double yaw_rad, int column) const;
+  struct Sample {
+    std::vector<VoxelKey> cells;
+    double stands_for = 1;
+  };
+  Sample owed_around(const Vec3& eye) const;
+  double look_m2(VoxelKey k, const Vec3& eye) const;
+  double column(const Vec3& eye, double yaw_rad, int column) const;
 
   const VoxelMap& map_;
   const RegionCells& cells_;
