@@ -96,7 +96,7 @@ Bytes image_of(const robot::Knowledge& k, const mission::AreaRef& area,
     const store::Record* r =
         k.store().find(result.by, store::RecordClass::kImage, robot::image_key(area, part));
     if (!r) return {};
-    const auto body = dds::decode_body<mission::Inspection>(*r);
+    const auto body = dds::decode_body<mission::Inspection>(k.store().whole(*r));
     image.insert(image.end(), body.payload.begin(), body.payload.end());
   }
   return image;

@@ -113,6 +113,7 @@ int run_robot(const RobotShellOptions& options, bool station, const MakeProcess&
   std::filesystem::create_directories(options.out + "/logs", error);
   log::open(options.out + "/logs", fmt::format("{}-{}", station ? "gcs" : "agent", self.value));
   const std::unique_ptr<mission::Process> process = make_process(mission, self, epoch_of(options));
+  process->keep_in(options.out);
   try {
     const std::string reason = options.field ? run_in_field(options, *process, station)
                                              : run_in_barrier(options, *process, station);

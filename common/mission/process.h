@@ -34,6 +34,9 @@ class Process {
   virtual ~Process() = default;
   virtual RobotId id() const = 0;
   virtual StepOutput step(const StepInput& input) = 0;
+  /// Called at most once, before the first step: `dir` takes what need not be in memory. Changes
+  /// nothing that the process does.
+  virtual void keep_in(const std::string& dir) { static_cast<void>(dir); }
   /// Called once after the last step: write files (map.bt, station.db) into `dir`.
   virtual void finish(const std::string& dir) = 0;
 };

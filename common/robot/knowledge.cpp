@@ -80,7 +80,7 @@ bool Knowledge::receive(RobotId from, std::uint64_t n, store::Record record) {
   const store::RecordHeader header = record.header;
   if (exchange_.on_record(from, n, std::move(record), now_) != store::Merged::kNew) return false;
   if (const store::Record* held = store_.find(header.author.robot, header.cls, header.key))
-    ingest(*held);
+    ingest(store_.whole(*held));
   return true;
 }
 
@@ -150,7 +150,7 @@ void Knowledge::ingest_inspection(const store::Record& record) {
   if (it != results_.end() && it->second.by != by &&
       (it->second.complete() || it->second.inspection.found))
     return;
-  body.payload.clear();
+  Bytes().swap(body.payload);
   results_[area] = {std::move(body), by, 1 + early_parts_[area][by]};
 }
 

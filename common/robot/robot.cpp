@@ -57,6 +57,14 @@ mission::StepOutput Robot::step(const mission::StepInput& input) {
   return output;
 }
 
+void Robot::keep_in(const std::string& dir) {
+  try {
+    knowledge_.store().keep_on(std::make_unique<store::Shelf>(dir));
+  } catch (const Failure& e) {
+    log::warn("all stays in memory: {}", e.what());
+  }
+}
+
 void Robot::finish(const std::string&) {}
 
 void Robot::take_bus(const mission::StepInput& input) {
@@ -163,7 +171,8 @@ void Robot::send_air(mission::StepOutput& output) {
        knowledge_.exchange().step(now, kAirBudget_bytes, [this] { return ++sent_n_; })) {
     if (action.record) {
       const mission::MessageClass cls = mission::message_class(action.record->header.cls);
-      output.air.push_back(dds::wrap({action.n, knowledge_.self(), cls, now}, *action.record));
+      output.air.push_back(dds::wrap({action.n, knowledge_.self(), cls, now},
+                                     knowledge_.store().whole(*action.record)));
     } else if (action.end) {
       const mission::Envelope e{action.n, knowledge_.self(), mission::MessageClass::kExchangeEnd,
                                 now};

@@ -24,6 +24,7 @@ class Robot : public mission::Process {
 
   RobotId id() const override { return knowledge_.self(); }
   mission::StepOutput step(const mission::StepInput& input) override;
+  void keep_in(const std::string& dir) override;
   void finish(const std::string& dir) override;
 
   const Knowledge& knowledge() const { return knowledge_; }

@@ -274,7 +274,8 @@ void Exchange::send_records(const Due& due, SimTime now, std::size_t byte_budget
                             const NextN& next_n, std::vector<Action>& out) {
   std::size_t bytes = 0;
   for (const auto& [order, record] : due) {
-    bytes += record->bytes.size() + kEnvelopeBytes;
+    const std::size_t size = store_.size_of(*record) + kEnvelopeBytes;
+    bytes += size;
     if (bytes > byte_budget && !out.empty()) break;
     const std::uint64_t n = next_n();
     Traffic& traffic = traffic_[order.second];
@@ -284,7 +285,7 @@ void Exchange::send_records(const Due& due, SimTime now, std::size_t byte_budget
     traffic.sent_n = n;
     sent_.emplace_back(n, order.second.stream);
     ++stats_.records_sent;
-    stats_.bytes_sent += record->bytes.size() + kEnvelopeBytes;
+    stats_.bytes_sent += size;
     out.push_back({n, record, std::nullopt});
   }
 }

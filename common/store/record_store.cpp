@@ -18,6 +18,15 @@ bool is_class(RecordClass cls) {
   return value >= 1 && value <= kRecordClasses;
 }
 
+/// Bodies that nobody looks at until they are sent on, and too many to hold: a feature's image is
+/// 200 kB.
+bool is_for_the_shelf(const Record& record) {
+  constexpr std::size_t kLarge_bytes = 1024;
+  const RecordClass cls = record.header.cls;
+  return record.bytes.size() > kLarge_bytes &&
+         (cls == RecordClass::kInspection || cls == RecordClass::kImage);
+}
+
 std::uint64_t hash_record(const Record& record) {
   const RecordHeader& h = record.header;
   return Hasher()
@@ -101,6 +110,7 @@ RecordStore::Merged RecordStore::put(Record record) {
   fresh->hash = hash_record(record);
   fresh->change = ++last_change_;
   fresh->record = std::move(record);
+  if (shelf_ && is_for_the_shelf(fresh->record)) shelve(*fresh);
   content_hash_ += fresh->hash;
   ++size_;
   ++version_;
@@ -108,6 +118,25 @@ RecordStore::Merged RecordStore::put(Record record) {
   streams_[stream_id(fresh->record.header)].held.emplace(fresh->record.header.seq, &fresh->record);
   it->second = std::move(fresh);
   return Merged::kNew;
+}
+
+void RecordStore::shelve(Held& held) {
+  held.place = shelf_->put(held.record.bytes);
+  if (held.place) Bytes().swap(held.record.bytes);  // gives the memory back; `= {}` keeps it
+}
+
+const RecordStore::Held& RecordStore::held(const RecordHeader& h) const {
+  return *of(h.cls).by_name.at({h.author.robot, h.key});
+}
+
+Record RecordStore::whole(const Record& record) const {
+  const auto& place = held(record.header).place;
+  return place ? Record{record.header, shelf_->get(*place)} : record;
+}
+
+std::size_t RecordStore::size_of(const Record& record) const {
+  const auto& place = held(record.header).place;
+  return place ? place->size : record.bytes.size();
 }
 
 void RecordStore::forget(const Held& held) {

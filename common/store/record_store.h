@@ -6,12 +6,14 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "common/store/digest.h"
 #include "common/store/record.h"
+#include "common/store/shelf.h"
 
 namespace muster::store {
 
@@ -55,6 +57,10 @@ class RecordStore {
  public:
   RecordStore(RobotId self, std::uint64_t epoch);
 
+  /// From now on, large bodies of results go to `shelf`; only `whole` has them. Without one, or
+  /// when it is full, everything stays in memory. Changes nothing else.
+  void keep_on(std::unique_ptr<Shelf> shelf) { shelf_ = std::move(shelf); }
+
   RobotId self() const { return self_; }
   /// Of own records written from now on. Rises above any larger epoch of this robot that is heard:
   /// then everything that a restart voids (plan, meetings, status) has to be published again.
@@ -78,7 +84,12 @@ class RecordStore {
   Merged merge(Record record);
 
   /// The newest version, or nullptr. Pointers stay good until their record is superseded or voided.
+  /// `bytes` is empty where the body is on the shelf.
   const Record* find(RobotId author, RecordClass cls, std::uint64_t key) const;
+  /// A held record with its bytes, wherever they are.
+  Record whole(const Record& held) const;
+  /// How many bytes these are.
+  std::size_t size_of(const Record& held) const;
   /// All of a class, by (author, key).
   std::vector<const Record*> all(RecordClass cls) const;
   /// What became newest since `cursor` (0 at first), each record once, in the order of arrival;
@@ -113,6 +124,7 @@ class RecordStore {
     Record record;
     std::uint64_t hash = 0;
     std::uint64_t change = 0;
+    std::optional<Shelf::Place> place;  // of the record's bytes; nullopt: they are in the record
   };
   struct ClassRecords {
     std::map<Name, std::unique_ptr<Held>> by_name;
@@ -122,6 +134,8 @@ class RecordStore {
   static std::size_t index(RecordClass cls) { return static_cast<std::size_t>(cls) - 1; }
   ClassRecords& of(RecordClass cls) { return classes_[index(cls)]; }
   const ClassRecords& of(RecordClass cls) const { return classes_[index(cls)]; }
+  const Held& held(const RecordHeader& header) const;
+  void shelve(Held& held);
   bool is_voided(Author author, RecordClass cls) const;
   void hear_epoch(Author author);
   Merged put(Record record);
@@ -129,6 +143,7 @@ class RecordStore {
 
   RobotId self_;
   std::uint64_t epoch_;
+  std::unique_ptr<Shelf> shelf_;
   std::array<ClassRecords, kRecordClasses> classes_;
   std::array<std::uint64_t, kRecordClasses> keys_given_{};
   std::array<std::uint64_t, kRecordClasses> voided_{};
