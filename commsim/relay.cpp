@@ -3,34 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <set>
+#include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "common/core/error.h"
 #include "common/core/hash.h"
 #include "common/dds/convert.h"
+#include "common/dds/order.h"
 #include "commsim/contacts.h"
+#include "commsim/walls.h"
 
 namespace muster::commsim {
 namespace {
 
-constexpr std::array<const char*, kDrops> kDropNames{"none", "range", "wall", "dead", "scripted"};
-
-radio::ChannelConfig channel_config(const mission::Mission& mission) {
-  return {mission.radio.range_m, mission.radio.line_of_sight, mission.radio.always_on};
-}
-
-Drop drop_of(radio::Link link) {
-  switch (link) {
-    case radio::Link::kUp:
-      return Drop::kNone;
-    case radio::Link::kRange:
-      return Drop::kRange;
-    case radio::Link::kWall:
-      return Drop::kWall;
-  }
-  broken_invariant("a link is up, out of range or behind a wall", __FILE__, __LINE__);
-}
+constexpr std::string_view kMeshSalt = "mesh";
 
 struct Count {
   std::uint64_t messages = 0, bytes = 0;
@@ -54,39 +41,44 @@ std::optional<mission::Envelope> checked_envelope(RobotId sender, const mission:
 
 }  // namespace
 
-const char* to_string(Drop reason) { return kDropNames.at(static_cast<std::size_t>(reason)); }
-
 struct Relay::Impl {
-  Impl(const mission::Mission& mission, radio::LineOfSight line_of_sight)
-      : channel(channel_config(mission), std::move(line_of_sight)) {
-    for (const mission::RobotConfig& robot : mission.fleet) places.try_emplace(robot.id);
+  Impl(const mission::Mission& mission, const radio::Obstacles& obstacles)
+      : main(mission.radio, obstacles, mission.seed, 1, mission.fleet.size()) {
+    for (const mission::RobotConfig& robot : mission.fleet) places.push_back({.robot = robot.id});
+    std::ranges::sort(places, {}, &Place::robot);
+    if (mission.radio.mesh) {
+      mesh.emplace(mission.radio.mesh->channel, obstacles, hash_text(kMeshSalt, mission.seed),
+                   mission.radio.mesh->hops, places.size());
+    }
     for (const mission::ScriptedEvent& event : mission.script) {
       if (event.verb == "mute-beacons") mutes.push_back(event);
     }
   }
 
-  struct Place {
-    Vec3 p = Vec3::Zero();
-    bool process_alive = true, vehicle_alive = true;
-    bool alive() const { return process_alive && vehicle_alive; }
+  /// A message on its way out, and what became of it at every robot.
+  struct Outgoing {
+    mission::Envelope envelope;
+    const mission::Message* message;
+    std::size_t sender;  ///< index in `places`
+    std::size_t rank;    ///< among its sender's messages of this tick
+    std::vector<Verdict> verdicts;
+    bool beacon() const { return envelope.cls == mission::MessageClass::kBeacon; }
   };
-  /// A pair's link, good while neither moves.
-  struct CachedLink {
-    Vec3 a = Vec3::Zero(), b = Vec3::Zero();
-    radio::Link link{};
+  /// What a partition brought in a tick.
+  struct Sender {
+    RobotId robot;
+    std::vector<Outgoing> messages;
+    std::vector<std::uint64_t> refused;  ///< hashes
+  };
+  /// Heard later than in the next tick.
+  struct Late {
+    RobotId to;
+    mission::Message message;
   };
 
-  radio::Link link(RobotId x, const Vec3& px, RobotId y, const Vec3& py) {
-    const bool in_order = x < y;
-    const auto [a, b] = in_order ? std::pair(x, y) : std::pair(y, x);
-    const Vec3& pa = in_order ? px : py;
-    const Vec3& pb = in_order ? py : px;
-    const auto [it, fresh] = links.try_emplace({a, b});
-    CachedLink& cached = it->second;
-    if (fresh || cached.a != pa || cached.b != pb) {
-      cached = {pa, pb, channel.between(a, pa, b, pb)};
-    }
-    return cached.link;
+  Place* place_of(RobotId robot) {
+    const auto it = std::ranges::lower_bound(places, robot, {}, &Place::robot);
+    return it != places.end() && it->robot == robot ? &*it : nullptr;
   }
 
   bool muted(RobotId robot, SimTime now) const {
@@ -95,97 +87,171 @@ struct Relay::Impl {
     });
   }
 
-  Drop decide(const mission::Envelope& envelope, const Place& from, RobotId to, const Place& at,
-              bool scripted) {
-    if (!from.alive() || !at.alive()) return Drop::kDead;
-    const Drop physical = drop_of(link(envelope.src, from.p, to, at.p));
-    return physical == Drop::kNone && scripted ? Drop::kScripted : physical;
+  Sender read(RobotId robot, const std::vector<mission::Message>& messages) {
+    Sender out{robot, {}, {}};
+    const Place* place = place_of(robot);
+    for (const mission::Message& message : messages) {
+      const auto envelope = checked_envelope(robot, message);
+      if (envelope && place) {
+        const auto index = static_cast<std::size_t>(place - places.data());
+        out.messages.push_back({*envelope, &message, index, 0, {}});
+      } else {
+        out.refused.push_back(hash_bytes(message.cdr));
+      }
+    }
+    std::ranges::stable_sort(out.messages, {}, [](const Outgoing& m) { return m.envelope.n; });
+    for (std::size_t i = 0; i < out.messages.size(); ++i) out.messages[i].rank = i;
+    return out;
   }
 
-  void relay(const mission::Envelope& envelope, const mission::Message& message, SimTime now,
-             Outcome& out, Hasher& trace) {
-    const std::size_t size = message.cdr.size();
-    const Place& from = places.at(envelope.src);
-    const bool beacon = envelope.cls == mission::MessageClass::kBeacon;
-    const bool scripted = beacon && muted(envelope.src, now);
+  /// Puts everything on air, in the order in which the air is granted.
+  void send(std::vector<Sender>& senders, std::uint64_t k, SimTime now) {
+    std::vector<Outgoing*> order;
+    for (Sender& sender : senders) {
+      for (Outgoing& message : sender.messages) order.push_back(&message);
+    }
+    if (main.shared() || (mesh && mesh->shared())) {
+      const std::size_t first = k % places.size();
+      std::ranges::stable_sort(order, {}, [&](const Outgoing* m) {
+        const std::size_t turn = (m->sender + places.size() - first) % places.size();
+        return std::tuple(!m->beacon(), m->rank, turn);
+      });
+    }
+    for (Outgoing* m : order) {
+      const std::size_t bytes = m->message->cdr.size();
+      m->verdicts = main.send(m->sender, m->envelope.n, bytes, places, now);
+      if (mesh) add_mesh(*m, mesh->send(m->sender, m->envelope.n, bytes, places, now));
+    }
+  }
+
+  void add_mesh(Outgoing& m, const std::vector<Verdict>& heard) {
+    for (std::size_t i = 0; i < heard.size(); ++i) {
+      if (i == m.sender || heard[i].drop != Drop::kNone) continue;
+      if (m.verdicts[i].drop == Drop::kNone) {
+        m.verdicts[i].heard = std::min(m.verdicts[i].heard, heard[i].heard);
+      } else {
+        m.verdicts[i] = heard[i];
+        ++by_mesh;
+      }
+    }
+  }
+
+  void account(const Outgoing& m, std::uint64_t k, SimTime now, Outcome& out, Hasher& trace) {
+    const std::size_t size = m.message->cdr.size();
+    const bool scripted = m.beacon() && muted(m.envelope.src, now);
     sent.add(size);
-    by_topic[envelope.cls].add(size);
-    trace.add(envelope.src.value).add(envelope.n).add(hash_bytes(message.cdr));
-    for (const auto& [to, at] : places) {
-      if (to == envelope.src) continue;
-      const Drop drop = decide(envelope, from, to, at, scripted);
+    by_topic[m.envelope.cls].add(size);
+    trace.add(m.envelope.src.value).add(m.envelope.n).add(hash_bytes(m.message->cdr));
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (i == m.sender) continue;
+      const RobotId to = places[i].robot;
+      const Verdict& verdict = m.verdicts[i];
+      const bool heard = verdict.drop == Drop::kNone;
+      const Drop drop = heard && scripted ? Drop::kScripted : verdict.drop;
       trace.add(to.value).add(drop);
       if (drop != Drop::kNone) {
         ++dropped[static_cast<std::size_t>(drop)];
         continue;
       }
-      delivered.add(size);
-      if (beacon) contacts.beacon_heard(envelope.src, to, now);
-      out.deliveries[to].push_back(message);
+      if (verdict.heard <= now + kTick) {
+        deliver(to, *m.message, now, out);
+      } else {
+        const auto ticks = ((verdict.heard - now).us - 1) / kTick.us;
+        trace.add(ticks);
+        late[k + static_cast<std::uint64_t>(ticks)].push_back({to, *m.message});
+      }
     }
   }
 
-  radio::Channel channel;
-  std::map<RobotId, Place> places;
-  std::map<std::pair<RobotId, RobotId>, CachedLink> links;
+  void deliver(RobotId to, const mission::Message& message, SimTime now, Outcome& out) {
+    delivered.add(message.cdr.size());
+    if (message.cls == mission::MessageClass::kBeacon) {
+      contacts.beacon_heard(dds::peek_envelope(message.cdr).src, to, now);
+    }
+    out.deliveries[to].push_back(message);
+  }
+
+  /// What was sent earlier and is heard only now.
+  void deliver_late(std::uint64_t k, SimTime now, Outcome& out) {
+    while (!late.empty() && late.begin()->first <= k) {
+      for (const Late& l : late.begin()->second) {
+        if (place_of(l.to)->alive()) {
+          deliver(l.to, l.message, now, out);
+        } else {
+          ++dropped[static_cast<std::size_t>(Drop::kDead)];
+        }
+      }
+      late.erase(late.begin());
+    }
+  }
+
+  std::vector<Place> places;  // ascending
+  Ether main;
+  std::optional<Ether> mesh;
+  std::map<std::uint64_t, std::vector<Late>> late;  // by the tick whose outcome they belong to
   std::vector<mission::ScriptedEvent> mutes;
   Contacts contacts;
   Count sent, delivered;
-  std::uint64_t refused = 0;
+  std::uint64_t refused = 0, by_mesh = 0;
   std::array<std::uint64_t, kDrops> dropped{};
   std::map<mission::MessageClass, Count> by_topic;
 };
 
 Relay::Relay(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene)
-    : Relay(mission, radio::LineOfSight([scene = std::move(scene)](const Vec3& a, const Vec3& b) {
-              return scene->line_of_sight(a, b);
-            })) {}
+    : Relay(mission,
+            radio::Obstacles{
+                .line_of_sight = [scene](const Vec3& a,
+                                         const Vec3& b) { return scene->line_of_sight(a, b); },
+                .walls = [scene](const Vec3& a,
+                                 const Vec3& b) { return walls_between(*scene, a, b); }}) {}
 
 Relay::Relay(const mission::Mission& mission, radio::LineOfSight line_of_sight)
-    : impl_(std::make_unique<Impl>(mission, std::move(line_of_sight))) {}
+    : Relay(mission, radio::Obstacles{std::move(line_of_sight)}) {}
+
+Relay::Relay(const mission::Mission& mission, const radio::Obstacles& obstacles)
+    : impl_(std::make_unique<Impl>(mission, obstacles)) {}
 
 Relay::~Relay() = default;
 
 Relay::Outcome Relay::step(const mission::Truth& truth,
                            const std::map<RobotId, std::vector<mission::Message>>& sent) {
   for (const mission::TrueState& state : truth.robots) {
-    const auto it = impl_->places.find(state.robot);
-    if (it == impl_->places.end()) continue;
-    it->second.p = state.pose.p;
-    it->second.vehicle_alive = state.state != mission::VehicleState::kDead;
+    if (Place* place = impl_->place_of(state.robot)) {
+      place->p = state.pose.p;
+      place->vehicle_alive = state.state != mission::VehicleState::kDead;
+    }
   }
+  std::vector<Impl::Sender> senders;
+  for (const auto& [robot, messages] : sent) senders.push_back(impl_->read(robot, messages));
+  impl_->send(senders, truth.k, truth.time);
+
   Outcome out;
   Hasher trace;
   trace.add(truth.k);
-  for (const auto& [sender, messages] : sent) {
-    std::vector<std::pair<mission::Envelope, const mission::Message*>> in_order;
-    in_order.reserve(messages.size());
-    for (const mission::Message& message : messages) {
-      const auto envelope = checked_envelope(sender, message);
-      if (envelope && impl_->places.contains(sender)) {
-        in_order.emplace_back(*envelope, &message);
-      } else {
-        ++impl_->refused;
-        trace.add(sender.value).add(hash_bytes(message.cdr));
-      }
+  impl_->deliver_late(truth.k, truth.time, out);
+  const bool merged = !out.deliveries.empty();
+  for (const Impl::Sender& sender : senders) {
+    impl_->refused += sender.refused.size();
+    for (const std::uint64_t hash : sender.refused) trace.add(sender.robot.value).add(hash);
+    for (const Impl::Outgoing& m : sender.messages) {
+      impl_->account(m, truth.k, truth.time, out, trace);
     }
-    std::ranges::stable_sort(in_order, {}, [](const auto& m) { return m.first.n; });
-    for (const auto& [envelope, message] : in_order) {
-      impl_->relay(envelope, *message, truth.time, out, trace);
-    }
+  }
+  if (merged) {
+    for (auto& [to, messages] : out.deliveries) dds::sort_messages(messages);
   }
   out.trace = trace.value();
   return out;
 }
 
 void Relay::set_alive(RobotId robot, bool alive) {
-  const auto it = impl_->places.find(robot);
-  if (it != impl_->places.end()) it->second.process_alive = alive;
+  if (Place* place = impl_->place_of(robot)) place->process_alive = alive;
 }
 
 nlohmann::json Relay::summary() const {
   nlohmann::json dropped = nlohmann::json::object(), topics = nlohmann::json::object();
-  for (std::size_t i = 1; i < kDrops; ++i) dropped[kDropNames[i]] = impl_->dropped[i];
+  for (std::size_t i = 1; i < kDrops; ++i)
+    dropped[to_string(static_cast<Drop>(i))] = impl_->dropped[i];
   for (const auto& [cls, count] : impl_->by_topic) {
     topics[mission::topic_name(cls)] = {{"messages", count.messages}, {"bytes", count.bytes}};
   }
@@ -196,6 +262,7 @@ nlohmann::json Relay::summary() const {
             {"delivered_bytes", impl_->delivered.bytes},
             {"refused", impl_->refused},
             {"dropped", std::move(dropped)},
+            {"by_mesh", impl_->by_mesh},
             {"by_topic", std::move(topics)}}},
           {"contacts", impl_->contacts.to_json()}};
 }

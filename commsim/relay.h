@@ -10,28 +10,28 @@
 #include "common/mission/messages.h"
 #include "common/mission/mission.h"
 #include "common/radio/channel.h"
+#include "commsim/ether.h"
 #include "commsim/world/scene.h"
 
 namespace muster::commsim {
 
-/// Why a message was not heard.
-enum class Drop : std::uint8_t { kNone, kRange, kWall, kDead, kScripted };
-inline constexpr std::size_t kDrops = 5;
-const char* to_string(Drop reason);
-
-/// The radio as a pure core: per message and receiver it decides by range and line of sight on the
-/// true poses of the tick, in the fixed order (src, n, receiver). Reads envelopes only; bytes pass
-/// untouched.
+/// The radio as a pure core: per message and receiver it decides by the mission's radio (and its
+/// mesh, if it has one) on the true poses of the tick, and accounts for it in the fixed order (src,
+/// n, receiver). Reads envelopes only; bytes pass untouched.
+///
+/// Where the air is shared, beacons go first, then everybody's first message, everybody's second …;
+/// who begins changes with the tick. What takes longer than a tick to send is heard in a later one.
 class Relay {
  public:
   Relay(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene);
   /// With another idea of what stands between two places (tests).
   Relay(const mission::Mission& mission, radio::LineOfSight line_of_sight);
+  Relay(const mission::Mission& mission, const radio::Obstacles& obstacles);
   ~Relay();
 
   struct Outcome {
     std::map<RobotId, std::vector<mission::Message>>
-        deliveries;           ///< per destination, in (src, n) order, for tick k + 1
+        deliveries;           ///< per destination, in (src, n) order, to be heard in tick k + 1
     std::uint64_t trace = 0;  ///< sends and deliveries with reasons of this tick
   };
   /// `sent`: everything sent on air in this tick, per sender's partition; refuses (and counts)
@@ -42,7 +42,7 @@ class Relay {
 
   void set_alive(RobotId robot, bool alive);
   /// `{"air": {messages, bytes, delivered, delivered_bytes, refused, dropped: {reason: n},
-  /// by_topic: {topic: {messages, bytes}}},
+  /// by_mesh, by_topic: {topic: {messages, bytes}}},
   ///   "contacts": [{"robots": [a, b], "seconds", "intervals": [[from_s, until_s], …]}]}`.
   /// A contact lasts from the first beacon heard, either way, until none was heard for 1 s.
   nlohmann::json summary() const;

@@ -5,6 +5,7 @@
 #include "common/mission/data.h"
 #include "common/mission/mission.h"
 #include "common/mission/overrides.h"
+#include "common/mission/radio_file.h"
 #include "common/mission/reading.h"
 
 namespace fs = std::filesystem;
@@ -196,20 +197,6 @@ void read_features(YamlMap map, FeatureConfig& c) {
   read_at_least(map, "min_height_m", c.min_height_m, 0);
   read_positive(map, "first_box_weight", c.first_box_weight);
   read_between(map, "priority_share", c.priority_share, 0, 1);
-  map.finish();
-}
-
-void read_radio(YamlMap map, Mission& m) {
-  read_positive(map, "range_m", m.radio.range_m);
-  map.read("line_of_sight", m.radio.line_of_sight);
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  map.read("always_on", pairs);
-  for (const auto& [a, b] : pairs) {
-    for (const std::uint32_t id : {a, b}) {
-      if (!m.has(RobotId{id})) map.fail("always_on", "there is no robot " + std::to_string(id));
-    }
-    m.radio.always_on.emplace_back(RobotId{a}, RobotId{b});
-  }
   map.finish();
 }
 

@@ -11,6 +11,7 @@
 #include "common/geometry/box.h"
 #include "common/geometry/camera.h"
 #include "common/mission/messages.h"
+#include "common/radio/config.h"
 
 namespace muster::mission {
 
@@ -68,12 +69,6 @@ struct FeatureConfig {
   double priority_share = 0;
 };
 
-struct RadioConfig {
-  double range_m = 5;
-  bool line_of_sight = true;
-  std::vector<std::pair<RobotId, RobotId>> always_on;
-};
-
 struct ChargingStation {
   Pose pose;
   std::uint32_t slots = 1;
@@ -115,7 +110,7 @@ struct Mission {
   SensingConfig sensing;
   InspectConfig inspect;
   FeatureConfig features;
-  RadioConfig radio;
+  radio::RadioConfig radio;
   std::vector<ChargingStation> charging;
   std::vector<ScriptedEvent> script;
   double meeting_tolerance_s = 10;  ///< δ̄ (S0 IV-D2)

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "common/mission/mission.h"
+#include "common/mission/radio_file.h"
 
 namespace muster::mission {
 namespace {
@@ -99,13 +100,7 @@ void write_settings(std::ostream& out, const Mission& m) {
   out << "features: {count: " << f.count << ", min_height_m: " << num(f.min_height_m)
       << ", first_box_weight: " << num(f.first_box_weight)
       << ", priority_share: " << num(f.priority_share) << "}\n";
-  out << "radio: {range_m: " << num(m.radio.range_m)
-      << ", line_of_sight: " << yes(m.radio.line_of_sight) << ", always_on: [";
-  for (std::size_t k = 0; k < m.radio.always_on.size(); ++k) {
-    const auto& [a, b] = m.radio.always_on[k];
-    out << (k ? ", " : "") << "[" << a.value << ", " << b.value << "]";
-  }
-  out << "]}\n";
+  out << radio_to_yaml(m.radio);
 }
 
 void write_lists(std::ostream& out, const Mission& m) {

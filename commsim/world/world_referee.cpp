@@ -187,6 +187,7 @@ nlohmann::json World::summary() const {
                    {"inspect_hold_s", w.mission.inspect.hold_s},
                    {"inspect_shared", w.mission.inspect.shared},
                    {"payload_bytes", w.mission.inspect.payload_bytes},
+                   {"radio", w.mission.radio.preset},
                    {"radio_range_m", w.mission.radio.range_m},
                    {"radio_line_of_sight", w.mission.radio.line_of_sight},
                    {"meeting_tolerance_s", w.mission.meeting_tolerance_s},

@@ -18,6 +18,7 @@ constexpr const char* kFooter = R"(Examples
   muster run deploy/missions/pagoda.yaml                        watch one explorer and three inspectors at a pagoda
   muster run deploy/missions/town.yaml --seed 7 --out runs/t7   another seed, files to runs/t7
   muster run deploy/missions/pagoda.yaml --transport memory     the same flight inside one process, faster, same trace
+  muster run deploy/missions/town.yaml --set radio.preset=wifi-5ghz   a radio that fades and is shared, not 5 m and line of sight
   muster run deploy/missions/pagoda.yaml --link direct --speed 1 --duration 60   no simulated radio: as in the field
   muster run deploy/missions/pagoda.yaml --external 3           prints how to start robot 3 yourself (gdb, another terminal)
 

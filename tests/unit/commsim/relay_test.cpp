@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "common/dds/convert.h"
+#include "commsim/walls.h"
 
 using namespace muster;
 using namespace muster::commsim;
@@ -186,6 +187,104 @@ TEST_CASE("the trace tells any difference in what was sent or heard, and nothing
   CHECK(trace({{1, 0, 1}, {2, 0, 1.5}, {3, 0, 1}}, beacon(kA, 1), end(kA, 2)) == reference);
   CHECK(trace({{1, 0, 1}, {20, 0, 1}, {3, 0, 1}}, beacon(kA, 1), end(kA, 2)) != reference);
   CHECK(trace(kTogether, beacon(kA, 1), end(kA, 3)) != reference);
+}
+
+TEST_CASE("where the air is shared beacons go first, and what the air does not hold is dropped") {
+  auto mission = mission_of_three();
+  mission.radio.bit_rate_mbps = 0.1;  // 1250 bytes in a tick
+  mission.radio.queue_ms = 80;
+  Relay relay(mission, open_air);
+  std::vector<mission::Message> many;
+  for (std::uint64_t n = 1; n < 100; ++n) many.push_back(end(kA, n));
+  const std::size_t bytes = many[0].cdr.size();
+  many.push_back(beacon(kA, 100));
+  const auto out = relay.step(truth(1, kTogether), {{kA, many}, {kB, {end(kB, 1)}}});
+  const auto heard = order(out.deliveries.at(kC));
+  CHECK(std::ranges::count(heard, std::pair<std::uint32_t, std::uint64_t>(1, 100)) == 1);
+  CHECK(std::ranges::count(heard, std::pair<std::uint32_t, std::uint64_t>(2, 1)) == 1);
+  CHECK(heard.size() > 3);
+  CHECK(heard.size() * bytes < 1250 + bytes);
+  CHECK(std::ranges::is_sorted(heard));
+  CHECK(relay.summary()["air"]["dropped"]["airtime"] > 100);
+  CHECK(relay.summary()["air"]["dropped"]["range"] == 0);
+}
+
+TEST_CASE("what takes longer than a tick is heard in a later one, in order, if one still lives") {
+  auto mission = mission_of_three();
+  mission.radio.latency_ms = 250;
+  Relay relay(mission, open_air);
+  CHECK(relay.step(truth(1, kTogether), {{kA, {beacon(kA, 1)}}}).deliveries.empty());
+  CHECK(relay.step(truth(2, kTogether), {{kB, {beacon(kB, 1)}}}).deliveries.empty());
+  // Sent at 0.1 s, on the ears at 0.35 s: heard in tick 4, the one after this.
+  auto out = relay.step(truth(3, kTogether), {});
+  CHECK(order(out.deliveries.at(kC)) ==
+        std::vector<std::pair<std::uint32_t, std::uint64_t>>{{1, 1}});
+  relay.set_alive(kC, false);
+  out = relay.step(truth(4, kTogether), {});
+  CHECK(out.deliveries.size() == 1);
+  CHECK(out.deliveries.contains(kA));
+  CHECK(relay.summary()["air"]["dropped"]["dead"] == 1);
+  CHECK(relay.summary()["air"]["delivered"] == 3);
+}
+
+TEST_CASE("the second radio brings what the first does not, hop by hop") {
+  auto mission = mission_of_three();
+  mission.radio.mesh = radio::MeshConfig{"paper", {.range_m = 50, .line_of_sight = false}, 1};
+  const std::vector<Vec3> row{{0, 0, 1}, {40, 0, 1}, {80, 0, 1}};
+  Relay one_hop(mission, walled);
+  auto out = one_hop.step(truth(1, row), {{kA, {beacon(kA, 1)}}});
+  CHECK(out.deliveries.contains(kB));
+  CHECK_FALSE(out.deliveries.contains(kC));
+  CHECK(one_hop.summary()["air"]["by_mesh"] == 1);
+  CHECK(one_hop.summary()["air"]["dropped"]["range"] == 1);
+  mission.radio.mesh->hops = 2;
+  Relay two_hops(mission, walled);
+  out = two_hops.step(truth(1, row), {{kA, {beacon(kA, 1)}}});
+  CHECK(out.deliveries.at(kC).size() == 1);
+  two_hops.set_alive(kB, false);
+  CHECK(two_hops.step(truth(2, row), {{kA, {beacon(kA, 2)}}}).deliveries.empty());
+}
+
+TEST_CASE("a lossy radio loses a share, counted, the same in every run") {
+  auto mission = mission_of_three();
+  mission.radio.loss = 0.3;
+  const auto fly = [&] {
+    Relay relay(mission, open_air);
+    std::uint64_t traces = 0;
+    for (std::uint64_t k = 1; k <= 500; ++k) {
+      traces ^= relay.step(truth(k, kTogether), {{kA, {beacon(kA, k)}}}).trace;
+    }
+    return std::pair(traces, relay.summary()["air"]["dropped"]["loss"].get<int>());
+  };
+  const auto [trace, lost] = fly();
+  CHECK(lost / 1000.0 == Approx(0.3).margin(0.05));
+  CHECK(fly() == std::pair(trace, lost));
+  mission.seed = 2;
+  CHECK(fly().first != trace);
+}
+
+TEST_CASE("a line crosses a solid once and a sheet once, whichever way it goes") {
+  world::Mesh mesh;
+  const auto sheet = [&](float x, bool towards_minus) {
+    const int i = static_cast<int>(mesh.vertices.size());
+    for (const auto& [y, z] : {std::pair{-9.f, -9.f}, {9.f, -9.f}, {9.f, 9.f}, {-9.f, 9.f}}) {
+      mesh.vertices.emplace_back(x, y, z);
+    }
+    const int b = towards_minus ? 2 : 1, c = towards_minus ? 1 : 2;
+    mesh.triangles.emplace_back(i, i + b, i + c);
+    mesh.triangles.emplace_back(i, i + b + 1, i + c + 1);
+  };
+  sheet(0, true), sheet(0.2f, false);  // a wall of 20 cm
+  sheet(5, true), sheet(5.2f, false);  // another
+  sheet(9, true);                      // a screen
+  const world::Scene scene(mesh);
+  const Vec3 left(-1, 0.3, 0.1), middle(3, 0.3, 0.1), right(11, 0.3, 0.1);
+  CHECK(walls_between(scene, left, middle) == 1);
+  CHECK(walls_between(scene, middle, left) == 1);
+  CHECK(walls_between(scene, left, right) == 3);
+  CHECK(walls_between(scene, right, left) == 3);
+  CHECK(walls_between(scene, left, left + Vec3(0, 1, 0)) == 0);
+  CHECK(walls_between(scene, left, left) == 0);
 }
 
 TEST_CASE("the true scene decides when it is given") {
