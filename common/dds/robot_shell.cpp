@@ -34,6 +34,19 @@ std::uint64_t epoch_of(const RobotShellOptions& options) {
       std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
 }
 
+/// A robot without a disk flies all the same.
+std::unique_ptr<store::Journal> open_journal(const RobotShellOptions& options, RobotId self) {
+  using store::Journal;
+  try {
+    return std::make_unique<Journal>(
+        Journal::path(options.out, self), self,
+        options.field ? Journal::Durability::kPower : Journal::Durability::kProcess);
+  } catch (const Failure& e) {
+    log::error("{}; flying on, but nothing is kept", e.what());
+    return nullptr;
+  }
+}
+
 std::string run_in_field(const RobotShellOptions& options, mission::Process& process,
                          bool station) {
   FieldConfig config;
@@ -112,8 +125,12 @@ int run_robot(const RobotShellOptions& options, bool station, const MakeProcess&
   std::error_code error;
   std::filesystem::create_directories(options.out + "/logs", error);
   log::open(options.out + "/logs", fmt::format("{}-{}", station ? "gcs" : "agent", self.value));
-  const std::unique_ptr<mission::Process> process = make_process(mission, self, epoch_of(options));
+  std::unique_ptr<store::Journal> journal = open_journal(options, self);
+  const std::uint64_t after = journal ? journal->epoch() + 1 : 0;
+  const std::unique_ptr<mission::Process> process =
+      make_process(mission, self, std::max(epoch_of(options), after));
   process->keep_in(options.out);
+  if (journal) process->keep(std::move(journal));
   try {
     const std::string reason = options.field ? run_in_field(options, *process, station)
                                              : run_in_barrier(options, *process, station);

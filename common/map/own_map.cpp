@@ -207,6 +207,15 @@ void OwnMap::insert_free(VoxelKey k) {
   if (b && evidence(k) == kNoEvidence) set_evidence(*b, local_index(k), Weights::kMiss);
 }
 
+void OwnMap::adopt(Block& block, const States& states) {
+  for (int i = 0; i < kBlockVoxels; ++i) {
+    const bool occupied = bit(states.occupied, i);
+    if (!occupied && !bit(states.free, i)) continue;
+    if (block.own && block.own->evidence[static_cast<std::size_t>(i)] != kNoEvidence) continue;
+    set_evidence(block, i, occupied ? Weights::kHit : Weights::kMiss);
+  }
+}
+
 void OwnMap::write_to_tree(Block& block) {
   write_block(tree_, block.key, block.own->evidence);
   block.in_tree_queue = false;

@@ -52,6 +52,13 @@ class Reader {
 
 constexpr double kDrivingPlaneM = 0.3;
 
+void check_number(BlockKey b) {
+  constexpr int kFar = 1 << 20;  // what `pack` can number
+  if (std::max({std::abs(b.x), std::abs(b.y), std::abs(b.z)}) >= kFar) {
+    throw BadInput("map block: ix, iy, iz: must be within ±1048575");
+  }
+}
+
 }  // namespace
 
 VoxelMap::VoxelMap(const MapConfig& config) : impl_(std::make_unique<Impl>(config)) {}
@@ -200,12 +207,16 @@ Bytes VoxelMap::encode_own(BlockKey b) const {
   return encode_block(voxels);
 }
 
+void VoxelMap::adopt_own(BlockKey b, ByteView zstd_2bit) {
+  const States states = decode_states(zstd_2bit);
+  check_number(b);
+  if (Block* block = impl_->blocks.obtain(b)) impl_->own.adopt(*block, states);
+  impl_->blocks.commit();
+}
+
 void VoxelMap::merge(RobotId author, BlockKey b, ByteView zstd_2bit) {
   const States news = decode_states(zstd_2bit);
-  constexpr int kFar = 1 << 20;  // what `pack` can number
-  if (std::max({std::abs(b.x), std::abs(b.y), std::abs(b.z)}) >= kFar) {
-    throw BadInput("map block: ix, iy, iz: must be within ±1048575");
-  }
+  check_number(b);
   Block* block = impl_->blocks.obtain(b);
   if (!block) return;
   std::unique_ptr<States>& states = block->others[author];

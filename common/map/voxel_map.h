@@ -138,6 +138,9 @@ class VoxelMap {
   /// 16³ voxels of the own map, 2 bits each, x fastest, then y, then z, low bits first, zstd:
   /// BlockEncoding::kZstd2Bit.
   Bytes encode_own(BlockKey b) const;
+  /// Own evidence of an earlier start: where the own map knows nothing, it counts like one look.
+  /// Throws BadInput when the bytes are not a block.
+  void adopt_own(BlockKey b, ByteView zstd_2bit);
   /// Takes the newest block of `author` in place of the older one. Throws BadInput when the bytes
   /// are not a block.
   void merge(RobotId author, BlockKey b, ByteView zstd_2bit);

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "common/mission/messages.h"
+#include "common/store/journal.h"
 
 namespace muster::mission {
 
@@ -37,6 +39,9 @@ class Process {
   /// Called at most once, before the first step: `dir` takes what need not be in memory. Changes
   /// nothing that the process does.
   virtual void keep_in(const std::string& dir) { static_cast<void>(dir); }
+  /// Called once before the first step, when what the process acknowledges is to be kept: it goes
+  /// on with what the journal holds, and commits to it in every step before it answers.
+  virtual void keep(std::unique_ptr<store::Journal>) {}
   /// Called once after the last step: write files (map.bt, station.db) into `dir`.
   virtual void finish(const std::string& dir) = 0;
 };

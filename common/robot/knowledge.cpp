@@ -1,5 +1,8 @@
 #include "common/robot/knowledge.h"
 
+#include "common/core/error.h"
+#include "common/core/log.h"
+
 namespace muster::robot {
 namespace {
 
@@ -84,6 +87,19 @@ bool Knowledge::receive(RobotId from, std::uint64_t n, store::Record record) {
   return true;
 }
 
+void Knowledge::restore(store::Journal& journal) {
+  journal.restore(store_, [&](const store::Record& record) {
+    try {
+      ingest(record);
+    } catch (const BadInput& bad) {
+      log::warn("a record that was kept is of no use: {}", bad.what());
+    }
+  });
+  journal.restore_blocks([&](std::uint64_t key, const Bytes& voxels) {
+    map_.adopt_own(map::unpack_block(key), voxels);
+  });
+}
+
 void Knowledge::void_older(const store::Author& author) {
   std::uint64_t& newest = newest_epoch_[author.robot];
   if (author.epoch <= newest) return;
@@ -124,9 +140,12 @@ void Knowledge::ingest(const store::Record& record) {
       break;
     }
     case store::RecordClass::kMap: {
-      if (h.author.robot == self_) break;
       const auto body = dds::decode_body<mission::MapBlock>(record);
-      map_.merge(h.author.robot, {body.ix, body.iy, body.iz}, body.voxels);
+      const map::BlockKey block{body.ix, body.iy, body.iz};
+      if (h.author.robot != self_)
+        map_.merge(h.author.robot, block, body.voxels);
+      else if (h.author.epoch < epoch())
+        map_.adopt_own(block, body.voxels);
       break;
     }
   }

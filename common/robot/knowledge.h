@@ -11,6 +11,7 @@
 #include "common/nav/limits.h"
 #include "common/nav/path_finder.h"
 #include "common/store/exchange.h"
+#include "common/store/journal.h"
 #include "common/store/record_store.h"
 
 namespace muster::robot {
@@ -98,6 +99,8 @@ class Knowledge {
 
   // ---- writing (platform and the owner's strategy)
   void begin(SimTime now) { now_ = now; }
+  /// Takes up what an earlier start of this robot kept. Before the first tick.
+  void restore(store::Journal& journal);
   void observe(const mission::Odometry& odometry) { odometry_ = odometry; }
   void observe(const mission::Battery& battery) { battery_ = battery; }
   void hear(const mission::Beacon& beacon);

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kBeaconPeriod_s = 0.3;
 constexpr std::size_t kAirBudget_bytes = std::size_t{256} * 1024;  // per tick: about 20 Mbit/s
+constexpr double kKeepBlocks_s = 5;  // what a crash may take of the own map, when nobody was told
 constexpr double kFreshMate_s =
     0.5;  // DESIGN "Map and motion": returns fit a teammate heard within this
 
@@ -48,6 +49,7 @@ mission::StepOutput Robot::step(const mission::StepInput& input) {
   }
   map_sharer_.step(knowledge_);
   send_air(output);
+  commit();
 
   output.trace = knowledge_.store().content_hash();
   output.declares_complete = strategy_->declares_complete();
@@ -63,6 +65,22 @@ void Robot::keep_in(const std::string& dir) {
   } catch (const Failure& e) {
     log::warn("all stays in memory: {}", e.what());
   }
+}
+
+void Robot::keep(std::unique_ptr<store::Journal> journal) {
+  journal_ = std::move(journal);
+  knowledge_.restore(*journal_);
+}
+
+/// Before what this tick has to say leaves the robot.
+void Robot::commit() {
+  if (!journal_) return;
+  if (knowledge_.now() >= keep_blocks_) {
+    for (const map::BlockKey& b : knowledge_.map().own_changes(kept_blocks_))
+      journal_->keep_block(map::pack(b), knowledge_.map().encode_own(b));
+    keep_blocks_ = knowledge_.now() + Duration::from_s(kKeepBlocks_s);
+  }
+  journal_->commit(knowledge_.store());
 }
 
 void Robot::finish(const std::string&) {}

@@ -25,6 +25,7 @@ class Robot : public mission::Process {
   RobotId id() const override { return knowledge_.self(); }
   mission::StepOutput step(const mission::StepInput& input) override;
   void keep_in(const std::string& dir) override;
+  void keep(std::unique_ptr<store::Journal> journal) override;
   void finish(const std::string& dir) override;
 
   const Knowledge& knowledge() const { return knowledge_; }
@@ -38,6 +39,7 @@ class Robot : public mission::Process {
   void take_request(const mission::OperatorRequest& request);
   void send_bus(Executive::Commands commands, mission::StepOutput& output);
   void send_air(mission::StepOutput& output);
+  void commit();
   mission::Beacon beacon();
   mission::Envelope envelope(mission::MessageClass cls);
 
@@ -46,6 +48,9 @@ class Robot : public mission::Process {
   Guardian guardian_;
   Executive executive_;
   MapSharer map_sharer_;
+  std::unique_ptr<store::Journal> journal_;
+  std::uint64_t kept_blocks_ = 0;  // cursor of the own map's changes
+  SimTime keep_blocks_;
   Intent intent_;
   std::uint64_t sent_n_ = 0;
   SimTime beacon_due_;

@@ -64,6 +64,7 @@ void RecordStore::insert_own(Record record) {
   put(std::move(record));
   Stream& stream = streams_[id];
   stream.complete = stream.seen.advance(seq);
+  stream.version = version_;
 }
 
 RecordStore::Merged RecordStore::merge(Record record) {
@@ -91,7 +92,7 @@ RecordStore::Merged RecordStore::merge(Record record) {
     // Having seen every number up to n is having the newest version ≤ n of every key, without
     // anybody's promise.
     stream.complete = stream.seen.advance(stream.complete);
-    ++version_;
+    stream.version = ++version_;
   }
   return merged;
 }
@@ -223,7 +224,16 @@ void RecordStore::raise(Author author, RecordClass cls, std::uint64_t complete) 
   Stream& stream = streams_[{author.robot, cls, author.epoch}];
   if (complete <= stream.complete) return;
   stream.complete = stream.seen.advance(complete);
-  ++version_;
+  stream.version = ++version_;
+}
+
+void RecordStore::resume(const StreamId& id, std::uint64_t complete,
+                         std::span<const SeqRange> seen) {
+  if (!is_class(id.cls) || is_voided(id.author(), id.cls)) return;
+  Stream& stream = streams_[id];
+  for (const SeqRange& range : seen) stream.seen.insert(range);
+  stream.complete = stream.seen.advance(std::max(complete, stream.complete));
+  stream.version = ++version_;
 }
 
 bool RecordStore::covers(const StreamId& id, std::uint64_t complete,

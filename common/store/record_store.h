@@ -39,7 +39,8 @@ struct Stream {
   std::uint64_t complete = 0;  ///< as in DigestEntry
   SeqSet seen;                 ///< above `complete`: held, or superseded since
   std::map<std::uint64_t, const Record*>
-      held;  ///< by seq: the records that are the newest of their key
+      held;                   ///< by seq: the records that are the newest of their key
+  std::uint64_t version = 0;  ///< of the store, when `complete` or `seen` last changed
 
   bool covers(std::uint64_t seq) const { return seq <= complete || seen.contains(seq); }
   /// Who is complete up to `n` lacks nothing of this stream.
@@ -105,6 +106,8 @@ class RecordStore {
   /// Takes over a promise that holds for us too (see ExchangeEnd). Ignored for own and for voided
   /// streams.
   void raise(Author author, RecordClass cls, std::uint64_t complete);
+  /// What a journal kept of a stream, after its records were merged.
+  void resume(const StreamId& id, std::uint64_t complete, std::span<const SeqRange> seen);
   /// Is what somebody tells of a stream seen or promised here as well, or voided?
   bool covers(const StreamId& id, std::uint64_t complete, std::span<const SeqRange> beyond) const;
 

@@ -1,5 +1,6 @@
 #include "deploy/muster/memory_fleet.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/dds/order.h"
@@ -21,8 +22,20 @@ MemoryFleet::MemoryFleet(const mission::Mission& mission, std::shared_ptr<const 
 
 MemoryFleet::~MemoryFleet() = default;
 
+/// In memory nobody dies but by the script, so only who comes back needs a journal.
+bool MemoryFleet::comes_back(RobotId robot) const {
+  return std::ranges::any_of(mission_.script, [&](const mission::ScriptedEvent& event) {
+    return event.verb == "revive" && event.robot == robot;
+  });
+}
+
 void MemoryFleet::start(RobotId robot) {
-  robots_.emplace(robot, factory_(mission_, robot, ++starts_[robot]));
+  auto process = factory_(mission_, robot, ++starts_[robot]);
+  if (!out_.empty() && comes_back(robot)) {
+    process->keep(std::make_unique<store::Journal>(store::Journal::path(out_, robot), robot,
+                                                   store::Journal::Durability::kProcess));
+  }
+  robots_.emplace(robot, std::move(process));
 }
 
 /// Kills and revivals due now, between ticks.

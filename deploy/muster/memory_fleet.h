@@ -44,6 +44,7 @@ class MemoryFleet {
   std::uint64_t ticks() const { return k_; }
 
  private:
+  bool comes_back(RobotId robot) const;
   void start(RobotId robot);
   void run_script();
   void step_robots(const std::vector<world::World::Samples>& samples);

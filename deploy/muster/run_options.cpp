@@ -56,6 +56,8 @@ bool prepare_output(const std::string& dir) {
     if (access(place.c_str(), W_OK | X_OK) != 0)
       throw Failure("--out: " + place + ": cannot be written to");
   }
+  // What robots kept of an earlier run is not theirs to go on with.
+  std::filesystem::remove_all(dir + "/state", error);
   return is_new;
 }
 

@@ -1,0 +1,227 @@
+#include "common/store/journal.h"
+
+#include <filesystem>
+
+#include "common/core/error.h"
+#include "common/core/log.h"
+
+namespace muster::store {
+namespace {
+
+constexpr int kVersion = 1;
+constexpr int kTryAgainAfter = 100;  // commits, that is about 10 s
+
+constexpr const char* kSchema = R"sql(
+CREATE TABLE journal(version INTEGER, robot INTEGER, epoch INTEGER);
+CREATE TABLE records(change INTEGER PRIMARY KEY, robot INTEGER, class INTEGER, key INTEGER,
+                     epoch INTEGER, seq INTEGER, stamp_us INTEGER, signature BLOB, bytes BLOB,
+                     UNIQUE(robot, class, key));
+CREATE TABLE streams(robot INTEGER, class INTEGER, epoch INTEGER, complete INTEGER, seen BLOB,
+                     PRIMARY KEY(robot, class, epoch)) WITHOUT ROWID;
+CREATE TABLE blocks(key INTEGER PRIMARY KEY, voxels BLOB);
+)sql";
+
+Bytes encode(const std::vector<SeqRange>& ranges) {
+  Bytes bytes;
+  for (const SeqRange& range : ranges) {
+    for (const std::uint64_t n : {range.first, range.last}) {
+      for (int i = 0; i < 8; ++i) bytes.push_back(static_cast<std::uint8_t>(n >> (8 * i)));
+    }
+  }
+  return bytes;
+}
+
+std::vector<SeqRange> decode(const Bytes& bytes) {
+  const auto number = [&](std::size_t at) {
+    std::uint64_t n = 0;
+    for (std::size_t i = 0; i < 8; ++i) n |= std::uint64_t{bytes[at + i]} << (8 * i);
+    return n;
+  };
+  std::vector<SeqRange> ranges;
+  for (std::size_t at = 0; at + 16 <= bytes.size(); at += 16) {
+    ranges.push_back({number(at), number(at + 8)});
+  }
+  return ranges;
+}
+
+/// Moves a damaged journal out of the way, with all that belongs to it.
+void put_aside(const std::string& path) {
+  std::string aside = path + ".damaged";
+  for (int i = 2; std::filesystem::exists(aside); ++i) {
+    aside = path + ".damaged." + std::to_string(i);
+  }
+  for (const char* part : {"-wal", "-shm", ""}) {
+    std::error_code none;  // most often there is no -wal
+    std::filesystem::rename(path + part, aside + part, none);
+  }
+  log::error("journal {}: damaged; kept as {}, and a new one begun", path, aside);
+}
+
+}  // namespace
+
+struct Journal::Statements {
+  explicit Statements(Database& db)
+      : record(db.prepare("INSERT OR REPLACE INTO records(robot, class, key, epoch, seq, stamp_us, "
+                          "signature, bytes) VALUES(?,?,?,?,?,?,?,?)")),
+        stream(db.prepare("INSERT OR REPLACE INTO streams VALUES(?,?,?,?,?)")),
+        block(db.prepare("INSERT OR REPLACE INTO blocks VALUES(?,?)")),
+        epoch(db.prepare("UPDATE journal SET epoch = ?")),
+        // What a newer start of its author voids.
+        void_older(db.prepare(
+            "DELETE FROM records WHERE class IN (2, 4, 6) AND epoch < "
+            "(SELECT max(epoch) FROM records AS newer WHERE newer.robot = records.robot)")) {
+    static_assert(voided_by_restart(RecordClass{2}) && voided_by_restart(RecordClass{4}) &&
+                  voided_by_restart(RecordClass{6}));
+  }
+  /// Lets go of what is bound, so that nothing keeps the file busy.
+  void reset() {
+    for (auto* s : {&record, &stream, &block, &epoch, &void_older}) s->reset();
+  }
+  Database::Statement record, stream, block, epoch, void_older;
+};
+
+Journal::Journal(const std::string& path, RobotId robot, Durability durability) : path_(path) {
+  std::error_code none;  // what is wrong shows itself when the file is opened
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path(), none);
+  try {
+    try {
+      open(robot, durability);
+    } catch (const Damaged&) {
+      db_.reset();
+      put_aside(path);
+      open(robot, durability);
+    }
+  } catch (const Failure& e) {
+    throw Failure("journal " + path + ": " + e.what());
+  }
+}
+
+Journal::~Journal() = default;
+
+void Journal::open(RobotId robot, Durability durability) {
+  db_ = std::make_unique<Database>(path_);
+  Database& db = *db_;
+  db.execute("PRAGMA journal_mode=WAL");
+  db.execute(durability == Durability::kPower ? "PRAGMA synchronous=FULL"
+                                              : "PRAGMA synchronous=NORMAL");
+  auto check = db.prepare("PRAGMA quick_check(1)");
+  if (!check.step() || check.text(0) != "ok") throw Damaged("its pages do not fit together");
+  check.reset();
+  auto tables = db.prepare("SELECT count(*) FROM sqlite_master");
+  tables.step();
+  const bool empty = tables.integer(0) == 0;
+  tables.reset();
+  if (empty) {
+    db.execute("BEGIN");
+    db.execute(kSchema);
+    db.prepare("INSERT INTO journal VALUES(?,?,0)").with(kVersion, robot.value).step();
+    db.execute("COMMIT");
+  }
+  auto whose = db.prepare("SELECT version, robot, epoch FROM journal");
+  if (!whose.step()) throw Damaged("it does not say whose it is");
+  if (whose.integer(0) != kVersion)
+    throw BadInput("journal " + path_ + ": of version " + std::to_string(whose.integer(0)) +
+                   "; this program reads version " + std::to_string(kVersion));
+  if (whose.number(1) != robot.value)
+    throw BadInput("journal " + path_ + ": belongs to robot " + std::to_string(whose.number(1)) +
+                   ", not to " + std::to_string(robot.value));
+  epoch_ = whose.number(2);
+  whose.reset();
+  sql_ = std::make_unique<Statements>(db);
+}
+
+void Journal::restore(RecordStore& store, const std::function<void(const Record&)>& take) {
+  auto rows = db_->prepare(
+      "SELECT robot, class, key, epoch, seq, stamp_us, signature, bytes FROM records ORDER BY "
+      "change");
+  while (rows.step()) {
+    RecordHeader h;
+    h.author = {RobotId{static_cast<std::uint32_t>(rows.number(0))}, rows.number(3)};
+    h.cls = static_cast<RecordClass>(rows.integer(1));
+    h.key = rows.number(2);
+    h.seq = rows.number(4);
+    h.stamp = SimTime{rows.integer(5)};
+    h.signature = rows.blob(6);
+    if (store.merge({h, rows.blob(7)}) != Merged::kNew) continue;
+    take(store.whole(*store.find(h.author.robot, h.cls, h.key)));
+  }
+  auto streams = db_->prepare("SELECT robot, class, epoch, complete, seen FROM streams");
+  while (streams.step()) {
+    const StreamId id{RobotId{static_cast<std::uint32_t>(streams.number(0))},
+                      static_cast<RecordClass>(streams.integer(1)), streams.number(2)};
+    store.resume(id, streams.number(3), decode(streams.blob(4)));
+  }
+}
+
+void Journal::restore_blocks(const std::function<void(std::uint64_t, const Bytes&)>& take) {
+  auto rows = db_->prepare("SELECT key, voxels FROM blocks ORDER BY key");
+  while (rows.step()) take(rows.number(0), rows.blob(1));
+}
+
+void Journal::keep_block(std::uint64_t key, Bytes voxels) { blocks_[key] = std::move(voxels); }
+
+bool Journal::has_news(const RecordStore& store) const {
+  return store.version() != written_.version || store.epoch() != written_.epoch || !blocks_.empty();
+}
+
+void Journal::commit(const RecordStore& store) {
+  if (!has_news(store) || (!works_ && ++skip_ < kTryAgainAfter)) return;
+  skip_ = 0;
+  const Written before = written_;
+  try {
+    db_->execute("BEGIN");
+    write(store);
+    db_->execute("COMMIT");
+    blocks_.clear();
+    if (!works_) log::info("journal {}: written again, and up to date", path_);
+    works_ = true;
+  } catch (const Failure& e) {
+    written_ = before;
+    sql_->reset();
+    try {
+      db_->execute("ROLLBACK");
+    } catch (const Failure&) {
+      // SQLite has rolled back by itself.
+    }
+    if (works_) {
+      log::error("journal {}: {}; flying on without, what is in it is kept, tried again", path_,
+                 e.what());
+    }
+    works_ = false;
+  }
+}
+
+void Journal::write(const RecordStore& store) {
+  if (store.epoch() != written_.epoch) sql_->epoch.with(store.epoch()).step();
+  written_.epoch = store.epoch();
+  std::uint64_t voided = 0;
+  for (std::uint32_t c = 1; c <= kRecordClasses; ++c) {
+    const auto cls = static_cast<RecordClass>(c);
+    voided += store.voided(cls);
+    for (const Record* record : store.changes(cls, written_.changes[c - 1])) {
+      const RecordHeader& h = record->header;
+      sql_->record
+          .with(h.author.robot.value, c, h.key, h.author.epoch, h.seq, h.stamp.us, h.signature,
+                store.whole(*record).bytes)
+          .step();
+    }
+  }
+  if (voided != written_.voided) sql_->void_older.with().step();
+  written_.voided = voided;
+  write_streams(store);
+  for (const auto& [key, voxels] : blocks_) sql_->block.with(key, voxels).step();
+  sql_->reset();
+}
+
+void Journal::write_streams(const RecordStore& store) {
+  for (const auto& [id, stream] : store.streams()) {
+    if (stream.version <= written_.version) continue;
+    sql_->stream
+        .with(id.robot.value, static_cast<std::uint32_t>(id.cls), id.epoch, stream.complete,
+              encode(stream.seen.ranges()))
+        .step();
+  }
+  written_.version = store.version();
+}
+
+}  // namespace muster::store
