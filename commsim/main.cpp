@@ -37,6 +37,7 @@ int run(const world::HubOptions& options) {
       robots_of(mission), mission.station());
   // Loaded while everybody finds each other.
   commsim::Relay relay(mission, world::Scene::load(mission));
+  relay.log_to(options.out + "/air.csv");
   LineChannel control(options.control_fd);
   std::thread listener;
   if (options.control_fd >= 0) listener = std::thread([&] { listen(control, radio); });
@@ -53,6 +54,7 @@ int run(const world::HubOptions& options) {
   } catch (const std::exception& e) {
     error = e.what();
   }
+  relay.finish();
   if (listener.joinable()) {
     control.write_line(nlohmann::json{{"radio", relay.summary()}}.dump());
     if (!error.empty()) control.write_line(nlohmann::json{{"failed", error}}.dump());
@@ -75,7 +77,7 @@ int main(int argc, char** argv) {
         "muster-commsim: the radio. Hears what every robot sends, decides by range and walls who "
         "receives it, and delivers it one tick later. Started by `muster run`; robots in the field "
         "have a real radio instead."};
-    muster::world::add_hub_options(app, options, "directory whose logs/ gets the log");
+    muster::world::add_hub_options(app, options, "directory for air.csv; its logs/ gets the log");
     return muster::parse_command_line(app, argc, argv) ? muster::run(options) : 0;
   });
 }

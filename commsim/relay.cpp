@@ -11,6 +11,7 @@
 #include "common/core/hash.h"
 #include "common/dds/convert.h"
 #include "common/dds/order.h"
+#include "commsim/air_log.h"
 #include "commsim/contacts.h"
 #include "commsim/walls.h"
 
@@ -72,7 +73,7 @@ struct Relay::Impl {
   };
   /// Heard later than in the next tick.
   struct Late {
-    RobotId to;
+    std::size_t from, to;
     mission::Message message;
   };
 
@@ -151,34 +152,38 @@ struct Relay::Impl {
       trace.add(to.value).add(drop);
       if (drop != Drop::kNone) {
         ++dropped[static_cast<std::size_t>(drop)];
+        if (log) log->dropped(m.sender, i, size, drop);
         continue;
       }
       if (verdict.heard <= now + kTick) {
-        deliver(to, *m.message, now, out);
+        deliver(m.sender, i, *m.message, now, out);
       } else {
         const auto ticks = ((verdict.heard - now).us - 1) / kTick.us;
         trace.add(ticks);
-        late[k + static_cast<std::uint64_t>(ticks)].push_back({to, *m.message});
+        late[k + static_cast<std::uint64_t>(ticks)].push_back({m.sender, i, *m.message});
       }
     }
   }
 
-  void deliver(RobotId to, const mission::Message& message, SimTime now, Outcome& out) {
+  void deliver(std::size_t from, std::size_t to, const mission::Message& message, SimTime now,
+               Outcome& out) {
     delivered.add(message.cdr.size());
+    if (log) log->heard(from, to, message.cdr.size());
     if (message.cls == mission::MessageClass::kBeacon) {
-      contacts.beacon_heard(dds::peek_envelope(message.cdr).src, to, now);
+      contacts.beacon_heard(places[from].robot, places[to].robot, now);
     }
-    out.deliveries[to].push_back(message);
+    out.deliveries[places[to].robot].push_back(message);
   }
 
   /// What was sent earlier and is heard only now.
   void deliver_late(std::uint64_t k, SimTime now, Outcome& out) {
     while (!late.empty() && late.begin()->first <= k) {
       for (const Late& l : late.begin()->second) {
-        if (place_of(l.to)->alive()) {
-          deliver(l.to, l.message, now, out);
+        if (places[l.to].alive()) {
+          deliver(l.from, l.to, l.message, now, out);
         } else {
           ++dropped[static_cast<std::size_t>(Drop::kDead)];
+          if (log) log->dropped(l.from, l.to, l.message.cdr.size(), Drop::kDead);
         }
       }
       late.erase(late.begin());
@@ -191,6 +196,7 @@ struct Relay::Impl {
   std::map<std::uint64_t, std::vector<Late>> late;  // by the tick whose outcome they belong to
   std::vector<mission::ScriptedEvent> mutes;
   Contacts contacts;
+  std::optional<AirLog> log;
   Count sent, delivered;
   std::uint64_t refused = 0, by_mesh = 0;
   std::array<std::uint64_t, kDrops> dropped{};
@@ -221,6 +227,7 @@ Relay::Outcome Relay::step(const mission::Truth& truth,
       place->vehicle_alive = state.state != mission::VehicleState::kDead;
     }
   }
+  if (impl_->log) impl_->log->advance(truth.time);
   std::vector<Impl::Sender> senders;
   for (const auto& [robot, messages] : sent) senders.push_back(impl_->read(robot, messages));
   impl_->send(senders, truth.k, truth.time);
@@ -246,6 +253,16 @@ Relay::Outcome Relay::step(const mission::Truth& truth,
 
 void Relay::set_alive(RobotId robot, bool alive) {
   if (Place* place = impl_->place_of(robot)) place->process_alive = alive;
+}
+
+void Relay::log_to(const std::string& path) {
+  std::vector<RobotId> robots;
+  for (const Place& place : impl_->places) robots.push_back(place.robot);
+  impl_->log.emplace(path, std::move(robots));
+}
+
+void Relay::finish() {
+  if (impl_->log) impl_->log->finish();
 }
 
 nlohmann::json Relay::summary() const {

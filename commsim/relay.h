@@ -41,6 +41,10 @@ class Relay {
                const std::map<RobotId, std::vector<mission::Message>>& sent);
 
   void set_alive(RobotId robot, bool alive);
+  /// From now on writes who heard whom to `path` (AirLog has its columns); `finish` writes the rest
+  /// of it. Throws Failure.
+  void log_to(const std::string& path);
+  void finish();
   /// `{"air": {messages, bytes, delivered, delivered_bytes, refused, dropped: {reason: n},
   /// by_mesh, by_topic: {topic: {messages, bytes}}},
   ///   "contacts": [{"robots": [a, b], "seconds", "intervals": [[from_s, until_s], …]}]}`.

@@ -19,6 +19,7 @@
 #include "common/core/error.h"
 #include "common/core/program.h"
 #include "commsim/world/flight.h"
+#include "deploy/muster/capture.h"
 #include "deploy/muster/child.h"
 #include "deploy/muster/control_socket.h"
 #include "deploy/muster/interrupt.h"
@@ -66,6 +67,7 @@ class Launcher {
   // ---- starting
 
   void start_all() {
+    start_capture();
     setenv(kLauncherVariable, std::to_string(getpid()).c_str(), 1);
     start_hub("world", world_arguments());
     if (!direct()) start_hub("commsim", common_arguments(hub_vendor()));
@@ -78,6 +80,16 @@ class Launcher {
       }
     }
     started_ = Clock::now();
+  }
+
+  void start_capture() {
+    if (!options_.capture) return;
+    try {
+      capture_.emplace(options_.out + "/air.pcapng", domain_);
+    } catch (const Failure&) {
+      if (options_.out_is_new) remove_results(options_.out, false);
+      throw;
+    }
   }
 
   void start_hub(const std::string& name, std::vector<std::string> arguments) {
@@ -328,6 +340,14 @@ class Launcher {
     return all;
   }
 
+  void stop_capture() {
+    if (!capture_) return;
+    const Capture::Outcome outcome = capture_->stop();
+    if (outcome.missed == 0) return;
+    progress_.note(fmt::format("air.pcapng: {} packets came too fast to be kept, {} are there",
+                               outcome.missed, outcome.packets));
+  }
+
   Cost cost() const {
     Cost cost{.wall_s = wall_s_,
               .cpu_s = cpu_s() - cpu_before_s_,
@@ -352,6 +372,7 @@ class Launcher {
     }
     json summary = summary_ ? *summary_ : last_progress_;
     summary.update(radio_summary_);
+    stop_capture();
     if (failure_) {
       summary["failed"] = true;
       summary["complete"] = false;
@@ -379,6 +400,7 @@ class Launcher {
   const Interrupt interrupt_;
   const std::uint32_t domain_;
   Progress progress_;
+  std::optional<Capture> capture_;
   std::vector<std::unique_ptr<Child>> children_;
   std::set<const Child*> hung_up_;
   std::set<RobotId> scripted_kills_;

@@ -1,5 +1,6 @@
 #include "common/core/command_line.h"
 #include "common/core/program.h"
+#include "deploy/muster/air.h"
 #include "deploy/muster/commands.h"
 #include "deploy/muster/doctor.h"
 #include "deploy/muster/report.h"
@@ -17,6 +18,7 @@ int main(int argc, char** argv) {
     command::add_run_command(app, action);
     command::add_ctl_command(app, action);
     command::add_report_command(app);
+    command::add_air_command(app);
     command::add_scene_command(app);
     command::add_doctor_command(app);
     // Commands that end where they are parsed throw from here as well.

@@ -17,6 +17,7 @@ MemoryFleet::MemoryFleet(const mission::Mission& mission, std::shared_ptr<const 
       world_(mission_, scene),
       relay_(mission_, std::move(scene)),
       flight_(mission_, world_, config) {
+  if (!out_.empty()) relay_.log_to(out_ + "/air.csv");
   for (const mission::RobotConfig& robot : mission_.fleet) start(robot.id);
 }
 
@@ -101,6 +102,7 @@ nlohmann::json MemoryFleet::finish(const std::string& reason) {
   if (!out_.empty()) {
     for (auto& [id, robot] : robots_) robot->finish(out_);
   }
+  relay_.finish();
   nlohmann::json summary = flight_.finish(reason);
   summary.update(relay_.summary());
   return summary;

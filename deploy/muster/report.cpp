@@ -2,24 +2,15 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
-#include "common/core/error.h"
+#include "deploy/muster/write_file.h"
 
 namespace muster::command {
 
 void write_report(const std::string& dir) {
   const std::string page = report_page(read_run(dir));
-  const std::string path = (std::filesystem::path(dir) / "report.html").string();
-  // Written aside and renamed, so that an open browser never loads half a page.
-  const std::string aside = path + ".new";
-  std::ofstream file(aside, std::ios::binary);
-  file << page;
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(aside, path, error);
-  if (!file || error) throw Failure(path + ": cannot be written");
+  write_file((std::filesystem::path(dir) / "report.html").string(), page);
 }
 
 void add_report_command(CLI::App& app) {

@@ -22,7 +22,7 @@ constexpr const char* kFooter = R"(Examples
   muster run deploy/missions/pagoda.yaml --link direct --speed 1 --duration 60   no simulated radio: as in the field
   muster run deploy/missions/pagoda.yaml --external 3           prints how to start robot 3 yourself (gdb, another terminal)
 
-Files in --out: summary.json events.jsonl features.csv tracks.csv map.bt station.db report.html logs/
+Files in --out: summary.json events.jsonl features.csv tracks.csv air.csv map.bt station.db report.html logs/
 Exit status: 0 mission complete, 3 ended incomplete or declared complete falsely, 2 bad input, 1 anything else.)";
 
 int run(RunOptions& options) {
@@ -87,6 +87,9 @@ void add_run_command(CLI::App& app, Action& action) {
   command->add_option("--duration", o->duration_s, "stop after this many simulated seconds");
   command->add_flag("--trace", o->trace,
                     "write trace.csv: compare two to see the tick and process where they part");
+  command->add_flag("--capture", o->capture,
+                    "write air.pcapng: all RTPS packets of this run, for Wireshark with "
+                    "muster.lua (needs CAP_NET_RAW)");
   command->add_flag("--json", o->json, "one JSON object per line on stdout");
   command->add_flag("--report,!--no-report", o->report, "write report.html at the end (default)");
   command->footer(kFooter);

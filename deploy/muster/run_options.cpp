@@ -39,6 +39,8 @@ void RunOptions::validate(const mission::Mission& mission) const {
   }
   if (transport == "memory" && !external.empty())
     throw BadInput("--external: needs --transport dds");
+  if (transport == "memory" && capture)
+    throw BadInput("--capture: with --transport memory nothing goes over the network");
   for (std::uint32_t id : external) {
     if (!mission.has(RobotId{id})) {
       throw BadInput("--external: the mission has no robot " + std::to_string(id));

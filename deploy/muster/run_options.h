@@ -28,6 +28,7 @@ struct RunOptions {
   bool trace = false;
   bool json = false;
   bool report = true;
+  bool capture = false;
 
   /// `set` with --strategy and --seed folded in: what `Mission::load` and every child process are
   /// given.

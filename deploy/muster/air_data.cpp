@@ -1,0 +1,120 @@
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+
+#include "common/core/error.h"
+#include "deploy/muster/air.h"
+
+namespace fs = std::filesystem;
+
+namespace muster::command {
+namespace {
+
+constexpr std::size_t kFixedColumns = 6;  // then one for each reason
+
+std::vector<std::string_view> split(std::string_view line) {
+  std::vector<std::string_view> fields;
+  for (std::size_t at = 0; at <= line.size();) {
+    const std::size_t comma = std::min(line.find(',', at), line.size());
+    fields.push_back(line.substr(at, comma - at));
+    at = comma + 1;
+  }
+  return fields;
+}
+
+/// The numbers of a row; none when it is not whole (a run that was cut short ends in the middle).
+std::vector<std::uint64_t> numbers(std::string_view line, std::size_t columns) {
+  std::vector<std::uint64_t> out;
+  for (const std::string_view field : split(line)) {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+    if (error != std::errc{} || end != field.data() + field.size()) return {};
+    out.push_back(value);
+  }
+  if (out.size() != columns) out.clear();
+  return out;
+}
+
+AirData::Pair& pair_of(AirData& air, std::uint32_t x, std::uint32_t y) {
+  const auto [a, b] = std::minmax(x, y);
+  const auto key = [](const AirData::Pair& p) { return std::pair(p.a, p.b); };
+  const auto at = std::ranges::lower_bound(air.pairs, std::pair(a, b), {}, key);
+  if (at != air.pairs.end() && key(*at) == std::pair(a, b)) return *at;
+  AirData::Pair fresh;
+  fresh.a = a, fresh.b = b;
+  return *air.pairs.insert(at, std::move(fresh));
+}
+
+void add_row(AirData& air, const std::vector<std::string>& reasons,
+             const std::vector<std::uint64_t>& row) {
+  const auto from = static_cast<std::uint32_t>(row[1]), to = static_cast<std::uint32_t>(row[2]);
+  AirData::Pair& pair = pair_of(air, from, to);
+  AirData::Way& way = from == pair.a ? pair.from_a : pair.from_b;
+  way.messages += row[3];
+  way.bytes += row[4];
+  way.dropped_bytes += row[5];
+  std::uint64_t lost = 0;
+  for (std::size_t i = 0; i < reasons.size(); ++i) {
+    const std::uint64_t n = row[kFixedColumns + i];
+    if (n > 0) way.dropped[reasons[i]] += n;
+    if (reasons[i] == "loss" || reasons[i] == "airtime") lost += n;
+  }
+  if (row[4] > 0 || lost > 0) way.moments.push_back({static_cast<double>(row[0]), row[4], lost});
+}
+
+void read_csv(AirData& air, const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  if (!std::getline(file, line)) {
+    throw BadInput(path +
+                   ": missing: the run had no simulated radio (--link direct), or ended "
+                   "before it began");
+  }
+  std::vector<std::string> reasons;
+  const auto header = split(line);
+  for (std::size_t i = kFixedColumns; i < header.size(); ++i) reasons.emplace_back(header[i]);
+  while (std::getline(file, line)) {
+    const auto row = numbers(line, header.size());
+    if (!row.empty()) add_row(air, reasons, row);
+  }
+}
+
+void add_contacts(AirData& air) {
+  for (const RunData::Contact& c : air.run.contacts) {
+    pair_of(air, c.a, c.b).contacts.emplace_back(c.from_s, c.until_s);
+  }
+  for (AirData::Pair& pair : air.pairs) {
+    std::ranges::sort(pair.contacts);
+    double since_s = 0;
+    for (const auto& [from_s, until_s] : pair.contacts) {
+      pair.together_s += until_s - from_s;
+      pair.longest_apart_s = std::max(pair.longest_apart_s, from_s - since_s);
+      since_s = until_s;
+    }
+    pair.longest_apart_s = std::max(pair.longest_apart_s, air.run.end_s - since_s);
+  }
+}
+
+}  // namespace
+
+std::map<std::string, std::uint64_t> AirData::dropped() const {
+  std::map<std::string, std::uint64_t> sum;
+  for (const Pair& pair : pairs) {
+    for (const Way* way : {&pair.from_a, &pair.from_b}) {
+      for (const auto& [reason, n] : way->dropped) sum[reason] += n;
+    }
+  }
+  return sum;
+}
+
+AirData read_air(const std::string& dir) {
+  AirData air;
+  air.run = read_run(dir);
+  read_csv(air, (fs::path(dir) / "air.csv").string());
+  add_contacts(air);
+  return air;
+}
+
+}  // namespace muster::command
