@@ -69,7 +69,9 @@ void Robot::keep_in(const std::string& dir) {
 
 void Robot::keep(std::unique_ptr<store::Journal> journal) {
   journal_ = std::move(journal);
+  if (journal_->epoch() == 0) return;
   knowledge_.restore(*journal_);
+  log::info("goes on with {} records that its journal kept", knowledge_.store().size());
 }
 
 /// Before what this tick has to say leaves the robot.

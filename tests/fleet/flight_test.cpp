@@ -100,6 +100,30 @@ TEST_CASE("the same flight by either vendor, mixed, in memory, under load and ou
   CHECK(fly("busy", "") == trace);
 }
 
+TEST_CASE("robots and station that die come back with what they kept, the same over DDS") {
+  const Place place;
+  const std::string mission =
+      std::string(MUSTER_SOURCE_DIR) + "/tests/missions/pagoda_restart.yaml";
+  const auto fly = [&](const std::string& name, const std::string& how) {
+    const Ended run =
+        shell(fmt::format("timeout 250 {} run {} --seed 1 --duration 50 --no-report --out {} {}",
+                          kMuster, mission, place / name, how));
+    INFO(name << ": " << run.output);
+    CHECK(run.status == 3);
+    return summary_of(place / name);
+  };
+  const auto memory = fly("memory", "--transport memory"), mixed = fly("mixed", "--dds mixed");
+  CHECK(memory["trace_hash"] == mixed["trace_hash"]);
+  CHECK(mixed["collisions"] == 0);
+  REQUIRE(mixed["robots_lost"].size() == 5);
+  for (const auto& lost : mixed["robots_lost"]) CHECK_FALSE(lost["revived_s"].is_null());
+  for (const char* log : {"gcs-1", "agent-2", "agent-3", "agent-4", "agent-5"}) {
+    CAPTURE(log);
+    const std::string file = place / fmt::format("mixed/logs/{}.log", log);
+    CHECK(shell("grep -E 'goes on with [1-9][0-9]* records' " + file).status == 0);
+  }
+}
+
 TEST_CASE("without the simulated radio robots hear each other, and the station's map grows") {
   const Place place;
   const Ended run =
