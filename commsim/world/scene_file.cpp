@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 
 #include "commsim/world/generator.h"
 
@@ -127,6 +128,35 @@ Mesh import(const std::string& path, const std::string& kind) {
   return mesh;
 }
 
+/// An array of one, as a scene of Assimp owns it.
+template <typename T>
+T** array_of(std::unique_ptr<T> item) {
+  T** items = new T*[1];
+  items[0] = item.release();
+  return items;
+}
+
+std::unique_ptr<aiMesh> for_assimp(const Mesh& mesh) {
+  auto out = std::make_unique<aiMesh>();
+  out->mPrimitiveTypes = aiPrimitiveType_TRIANGLE;
+  out->mNumVertices = static_cast<unsigned>(mesh.vertices.size());
+  out->mVertices = new aiVector3D[mesh.vertices.size()];
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const auto& v = mesh.vertices[i];
+    out->mVertices[i] = {v.x(), v.y(), v.z()};
+  }
+  out->mNumFaces = static_cast<unsigned>(mesh.triangles.size());
+  out->mFaces = new aiFace[mesh.triangles.size()];
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    out->mFaces[i].mNumIndices = 3;
+    out->mFaces[i].mIndices = new unsigned[3];
+    for (int k = 0; k < 3; ++k) {
+      out->mFaces[i].mIndices[k] = static_cast<unsigned>(mesh.triangles[i][k]);
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 Mesh load_mesh(const std::string& path) {
@@ -182,31 +212,15 @@ void save_mesh(const Mesh& mesh, const std::string& path) {
   if (format == std::end(kFormats)) {
     throw BadInput(path + ": '" + kind + "' is not one of .obj .ply .stl");
   }
-  aiScene scene;  // owns and deletes everything hung into it
+  // The scene deletes everything hung into it.
+  aiScene scene;
   scene.mRootNode = new aiNode("site");
   scene.mRootNode->mNumMeshes = 1;
   scene.mRootNode->mMeshes = new unsigned[1]{0};
   scene.mNumMaterials = 1;
-  scene.mMaterials = new aiMaterial* [1] { new aiMaterial };
+  scene.mMaterials = array_of(std::make_unique<aiMaterial>());
   scene.mNumMeshes = 1;
-  auto* out = new aiMesh;
-  scene.mMeshes = new aiMesh* [1] { out };
-  out->mPrimitiveTypes = aiPrimitiveType_TRIANGLE;
-  out->mNumVertices = static_cast<unsigned>(mesh.vertices.size());
-  out->mVertices = new aiVector3D[mesh.vertices.size()];
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const auto& v = mesh.vertices[i];
-    out->mVertices[i] = {v.x(), v.y(), v.z()};
-  }
-  out->mNumFaces = static_cast<unsigned>(mesh.triangles.size());
-  out->mFaces = new aiFace[mesh.triangles.size()];
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    out->mFaces[i].mNumIndices = 3;
-    out->mFaces[i].mIndices = new unsigned[3];
-    for (int k = 0; k < 3; ++k) {
-      out->mFaces[i].mIndices[k] = static_cast<unsigned>(mesh.triangles[i][k]);
-    }
-  }
+  scene.mMeshes = array_of(for_assimp(mesh));
   Assimp::Exporter exporter;
   if (exporter.Export(&scene, format->second, path) != aiReturn_SUCCESS) {
     throw Failure(path + ": cannot be written: " + exporter.GetErrorString());
