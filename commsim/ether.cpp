@@ -93,6 +93,7 @@ void Ether::broadcast(const Holder& from, const Parcel& parcel, const std::vecto
   const RobotId sender = places[from.robot].robot;
   const std::vector<std::size_t> hearers = ears(from.robot, places);
   std::vector<RobotId> around;
+  around.reserve(hearers.size());
   for (const std::size_t to : hearers) around.push_back(places[to].robot);
   const auto sent = airtime_.send(sender, around, from.at, parcel.bytes);
   for (const std::size_t to : hearers) {

@@ -203,7 +203,7 @@ struct Relay::Impl {
   std::map<mission::MessageClass, Count> by_topic;
 };
 
-Relay::Relay(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene)
+Relay::Relay(const mission::Mission& mission, const std::shared_ptr<const world::Scene>& scene)
     : Relay(mission,
             radio::Obstacles{
                 .line_of_sight = [scene](const Vec3& a,
@@ -229,6 +229,7 @@ Relay::Outcome Relay::step(const mission::Truth& truth,
   }
   if (impl_->log) impl_->log->advance(truth.time);
   std::vector<Impl::Sender> senders;
+  senders.reserve(sent.size());
   for (const auto& [robot, messages] : sent) senders.push_back(impl_->read(robot, messages));
   impl_->send(senders, truth.k, truth.time);
 

@@ -23,7 +23,7 @@ namespace muster::commsim {
 /// who begins changes with the tick. What takes longer than a tick to send is heard in a later one.
 class Relay {
  public:
-  Relay(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene);
+  Relay(const mission::Mission& mission, const std::shared_ptr<const world::Scene>& scene);
   /// With another idea of what stands between two places (tests).
   Relay(const mission::Mission& mission, radio::LineOfSight line_of_sight);
   Relay(const mission::Mission& mission, const radio::Obstacles& obstacles);
