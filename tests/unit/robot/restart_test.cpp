@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "fixtures.h"
+#include "tests/unit/robot/fixtures.h"
 
 using namespace muster;
 using namespace muster::robot;
