@@ -26,7 +26,8 @@ constexpr double kSightingMargin_m = 0.2;
 constexpr double kFromThere_m = 0.35, kFromThere_rad = 0.2;  // a look from there is one from a goal
 constexpr double kDepth_m = 2.5;         // unknown volume behind a frontier, over its area
 constexpr double kMissedFeatures = 0.2;  // of the whole site, expected: so many may stay unseen
-constexpr double kYieldOver_m2 = 40, kYieldBefore_m2 = 20;
+constexpr double kSamePlace_m = 0.5;     // areas this near are one, asked for again
+constexpr double kYieldOver_m2 = 80, kYieldBefore_m2 = 20;
 constexpr double kLevel_rad = 4 * std::numbers::pi / 180;
 constexpr double kProgress = 0.3;        // of the looks that were promised: less was in vain
 constexpr double kStop_s = 1;            // to look, beside the way
@@ -109,8 +110,14 @@ robot::Intent Exploration::fly_to(const Goal& goal) const {
 /// the first (some look like surface and are noise, some nobody can inspect), so what they are
 /// worth is learnt from them. Half a feature in hand, for those that did not show yet.
 double Exploration::features_per_m2(const robot::Knowledge& k) {
-  std::size_t found = 0;
-  for (const auto& [ref, known] : k.areas()) found += known.area.region == region_ ? 1 : 0;
+  std::vector<Vec3> places;
+  for (const auto& [ref, known] : k.areas()) {
+    const Vec3& p = known.area.position;
+    const bool asked_again =
+        std::ranges::any_of(places, [&](const Vec3& q) { return (p - q).norm() < kSamePlace_m; });
+    if (known.area.region == region_ && !asked_again) places.push_back(p);
+  }
+  const std::size_t found = places.size();
   const double shown_m2 = targets_.shown_m2();
   const double kept = std::exp((yield_shown_m2_ - shown_m2) / kYieldOver_m2);
   yield_areas_ = kept * yield_areas_ + static_cast<double>(found - std::min(found, yield_found_));
