@@ -47,6 +47,9 @@ void Search::prepare(const SearchRequest& request) {
   heap_.clear();
   connected_.clear();
   met_ = false;
+  straight_ = Vec3(request.goal.x - request.start.x, request.goal.y - request.start.y,
+                   request.goal.z - request.start.z);
+  straight_length_ = std::max(1.0, straight_.norm());
   eager_ = request.through_unknown && ground(request.goal) != Ground::kKnown;
   for (int axes = 1; axes <= 3; ++axes) {
     level_[static_cast<std::size_t>(axes)] = price(axes, 8, eager_, false);
@@ -157,12 +160,8 @@ std::optional<std::uint64_t> Search::pop() {
 
 /// How far from the straight between start and goal, in eighths of a voxel's edge.
 std::uint32_t Search::aside(Cell c) const {
-  const auto from_start = [&](Cell to) {
-    return Vec3(to.x - request_.start.x, to.y - request_.start.y, to.z - request_.start.z);
-  };
-  const Vec3 way = from_start(request_.goal);
-  const double length = std::max(1.0, way.norm());
-  return static_cast<std::uint32_t>(8 * way.cross(from_start(c)).norm() / length);
+  const Vec3 from_start(c.x - request_.start.x, c.y - request_.start.y, c.z - request_.start.z);
+  return static_cast<std::uint32_t>(8 * straight_.cross(from_start).norm() / straight_length_);
 }
 
 void Search::expand(Cell c, std::uint32_t cost) {

@@ -88,6 +88,8 @@ class Search {
   bool eager_ = false;  ///< the goal is in unknown space: the heap is used, not the buckets
   SearchRequest request_;
   std::vector<map::Sphere> keep_out_;  ///< grown by our body, shrunk where the start is within
+  Vec3 straight_ = Vec3::Zero();       ///< from start to goal, in voxels
+  double straight_length_ = 1;
   std::uint32_t goal_slack_ = 0;
   std::uint32_t now_ = 0;  ///< estimated cost of what is being expanded; never shrinks
   std::array<std::uint32_t, 4> level_{}, steep_{};  ///< estimates of a step, by axes
