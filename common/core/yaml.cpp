@@ -44,6 +44,11 @@ std::vector<YamlMap> YamlMap::list(const std::string& key) {
 
 void YamlMap::finish() const {
   for (const auto& entry : node_) {
+    if (!entry.first.IsScalar()) {
+      const std::string group = path_.empty() ? "" : path_.substr(0, path_.size() - 1) + ": ";
+      throw BadInput(file_ + ":" + std::to_string(entry.first.Mark().line + 1) + ": " + group +
+                     "a key is one word, neither a list nor a mapping");
+    }
     const auto key = entry.first.as<std::string>();
     if (seen_.contains(key)) continue;
     std::string known;

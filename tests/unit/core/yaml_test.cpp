@@ -27,3 +27,10 @@ TEST_CASE("a value of the wrong kind names its line and key") {
   CHECK_THROWS_WITH(map.read("p", p), "m.yaml:3: p: must be finite");
   CHECK_THROWS_WITH(map.require("scene", range), "m.yaml:1: 'scene' is missing");
 }
+
+TEST_CASE("regress_a_key_that_is_no_word: is bad input, with its line") {
+  YamlMap map = parse("a: 1\n? [b, c]\n: 2\n");
+  int a = 0;
+  map.read("a", a);
+  CHECK_THROWS_WITH(map.finish(), "m.yaml:2: a key is one word, neither a list nor a mapping");
+}
