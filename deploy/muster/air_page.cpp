@@ -117,7 +117,8 @@ std::string time_axis(double end_s) {
   const auto step = std::ranges::find_if(kSteps, [&](double s) { return end_s / s <= 8; });
   const double step_s = step == std::end(kSteps) ? 14'400 : *step;
   std::string text = "<div class=\"axis\">";
-  for (double t = 0; t <= end_s; t += step_s) {
+  for (int i = 0; i * step_s <= end_s; ++i) {
+    const double t = i * step_s;
     text +=
         fmt::format("<span style=\"left:{}%\">{}</span>", number(100 * t / end_s), html::clock(t));
   }

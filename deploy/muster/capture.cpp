@@ -176,7 +176,7 @@ bool Capture::receive() {
 }
 
 bool Capture::is_ours(const std::uint8_t* frame, std::size_t size) {
-  const std::size_t udp = kIpAt + 4 * (frame[kIpAt] & 0xFu);
+  const std::size_t udp = kIpAt + 4 * std::size_t{frame[kIpAt] & 0xFu};
   if (udp + kUdpHeader > size) return false;
   const auto port = [&](std::size_t at) {
     return static_cast<std::uint16_t>(frame[at] << 8 | frame[at + 1]);
