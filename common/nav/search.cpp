@@ -17,7 +17,8 @@ constexpr std::uint32_t kTightEighths = 10;  ///< a voxel beside something costs
 constexpr std::uint32_t kSteepEighths =
     12;  ///< climbing through unknown space, where the camera does not look
 constexpr std::uint32_t kDoubtAfter = 2000;  ///< expansions: maybe there is no way at all
-constexpr double kMaxUnknownFactor = 6;      ///< the dearest step and back fit into the buckets
+constexpr std::size_t kBucketKeeps = 64;
+constexpr double kMaxUnknownFactor = 6;  ///< the dearest step and back fit into the buckets
 
 }  // namespace
 
@@ -26,7 +27,10 @@ Search::Search(Grid& grid) : grid_(grid), pool_(grid.blocks()), buckets_(kBucket
 void Search::prepare(const SearchRequest& request) {
   request_ = request;
   pool_.clear();
-  for (auto& bucket : buckets_) bucket.clear();
+  for (auto& bucket : buckets_) {
+    bucket.clear();
+    if (bucket.capacity() > kBucketKeeps) bucket.shrink_to_fit();
+  }
   queued_ = 0;
   way_.clear();
   const auto& config = grid_.map().config();
@@ -151,8 +155,11 @@ std::optional<std::uint64_t> Search::pop() {
   } else {
     if (queued_ == 0) return std::nullopt;
     while (buckets_[now_ % kBuckets].empty()) ++now_;
-    id = buckets_[now_ % kBuckets].back();
-    buckets_[now_ % kBuckets].pop_back();
+    std::vector<std::uint64_t>& bucket = buckets_[now_ % kBuckets];
+    id = bucket.back();
+    bucket.pop_back();
+    // Every bucket is long at some time; if all kept that room, it came to 19 MB.
+    if (bucket.empty() && bucket.capacity() > kBucketKeeps) bucket = std::vector<std::uint64_t>();
     --queued_;
   }
   return id;
