@@ -9,13 +9,14 @@ namespace muster::command {
 
 using mission::Message;
 
-MemoryFleet::MemoryFleet(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene,
-                         ProcessFactory factory, const world::FlightConfig& config)
+MemoryFleet::MemoryFleet(const mission::Mission& mission,
+                         const std::shared_ptr<const world::Scene>& scene, ProcessFactory factory,
+                         const world::FlightConfig& config)
     : mission_(mission),
       factory_(std::move(factory)),
       out_(config.out),
       world_(mission_, scene),
-      relay_(mission_, std::move(scene)),
+      relay_(mission_, scene),
       flight_(mission_, world_, config) {
   if (!out_.empty()) relay_.log_to(out_ + "/air.csv");
   for (const mission::RobotConfig& robot : mission_.fleet) start(robot.id);

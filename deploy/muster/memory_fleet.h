@@ -30,7 +30,7 @@ std::unique_ptr<mission::Process> make_process(const mission::Mission& mission, 
 class MemoryFleet {
  public:
   /// Throws BadInput when the mission does not fit its scene.
-  MemoryFleet(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene,
+  MemoryFleet(const mission::Mission& mission, const std::shared_ptr<const world::Scene>& scene,
               ProcessFactory factory, const world::FlightConfig& config);
   ~MemoryFleet();
 
