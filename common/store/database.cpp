@@ -32,7 +32,9 @@ void Database::execute(const char* sql) {
 
 Database::Statement Database::prepare(const char* sql) {
   sqlite3_stmt* s = nullptr;
-  check(sqlite3_prepare_v2(db_.get(), sql, -1, &s, nullptr));
+  const int rc = sqlite3_prepare_v2(db_.get(), sql, -1, &s, nullptr);
+  if (rc == SQLITE_ERROR) throw Damaged(sqlite3_errmsg(db_.get()));
+  check(rc);
   return Statement(s);
 }
 

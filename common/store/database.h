@@ -13,7 +13,8 @@ struct sqlite3_stmt;
 
 namespace muster::store {
 
-/// The file is no SQLite file, or its pages do not fit together.
+/// The file is no SQLite file, its pages do not fit together, or a statement does not fit its
+/// tables.
 class Damaged : public Failure {
  public:
   using Failure::Failure;
