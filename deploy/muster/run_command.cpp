@@ -1,7 +1,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <utility>
 
 #include "commsim/world/scene.h"
 #include "commsim/world/site_check.h"
@@ -43,7 +42,7 @@ int run(RunOptions& options) {
   world::check_site(mission, *scene);
   if (options.transport == "dds") options.domain = free_domain(options.domain);
   options.out_is_new = prepare_output(options.out);
-  if (options.transport == "memory") return run_in_memory(mission, std::move(scene), options);
+  if (options.transport == "memory") return run_in_memory(mission, scene, options);
   scene.reset();  // the world's process loads its own
   return run_over_dds(mission, options);
 }

@@ -48,12 +48,12 @@ class RequestQueue {
 
 /// What is wrong with a site may come to light only when its features are drawn.
 std::unique_ptr<MemoryFleet> make_fleet(const mission::Mission& mission,
-                                        std::shared_ptr<const world::Scene> scene,
+                                        const std::shared_ptr<const world::Scene>& scene,
                                         const RunOptions& options) {
   const world::FlightConfig flight{
       .out = options.out, .duration_s = options.duration_s, .trace = options.trace};
   try {
-    return std::make_unique<MemoryFleet>(mission, std::move(scene), make_process, flight);
+    return std::make_unique<MemoryFleet>(mission, scene, make_process, flight);
   } catch (const BadInput&) {
     if (options.out_is_new) remove_results(options.out, false);
     throw;
@@ -62,7 +62,7 @@ std::unique_ptr<MemoryFleet> make_fleet(const mission::Mission& mission,
 
 }  // namespace
 
-int run_in_memory(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene,
+int run_in_memory(const mission::Mission& mission, const std::shared_ptr<const world::Scene>& scene,
                   const RunOptions& options) {
   const Interrupt interrupt;
   RequestQueue requests(mission);
@@ -70,7 +70,7 @@ int run_in_memory(const mission::Mission& mission, std::shared_ptr<const world::
                              [&](auto verb, RobotId robot) { return requests.put(verb, robot); });
   log::open(options.out + "/logs", "fleet");
   const auto begin = std::chrono::steady_clock::now();
-  const std::unique_ptr<MemoryFleet> made = make_fleet(mission, std::move(scene), options);
+  const std::unique_ptr<MemoryFleet> made = make_fleet(mission, scene, options);
   MemoryFleet& fleet = *made;
   Progress progress(Progress::form_for(options.json));
   const world::Pacer pacer(options.speed_factor());

@@ -9,7 +9,7 @@
 namespace muster::command {
 
 /// `muster run --transport memory`: everything in this process. Returns the exit status.
-int run_in_memory(const mission::Mission& mission, std::shared_ptr<const world::Scene> scene,
+int run_in_memory(const mission::Mission& mission, const std::shared_ptr<const world::Scene>& scene,
                   const RunOptions& options);
 
 }  // namespace muster::command
