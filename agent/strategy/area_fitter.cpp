@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kSameArea_m = 0.5;     // RULES "Sighting and inspecting"
 constexpr double kSameFeature_m = 0.4;  // four sigma of a sighting
-constexpr double kSamePlace_m = 0.3;    // asked for here already
 constexpr double kNear_m = 0.75;        // where a sighting may be a stray one of something known
 constexpr double kDoubt_s = 40;         // for so long other looks may confirm or explain a sighting
 // How far the middle of n sightings may lie from the feature: 4.5 sigma, and never less than…
@@ -95,20 +94,12 @@ void AreaFitter::take(robot::Knowledge& k, const mission::Sightings& sightings, 
   }
 }
 
-/// A false area close to a true one answers with the true one again and again; where several are
-/// close together there may be another.
-bool AreaFitter::asked_enough(const robot::Knowledge& k, const Vec3& p) const {
+/// A false area close to a true one answers with the true one again and again.
+bool AreaFitter::asked_enough(const Vec3& p) const {
   const auto asked = std::count_if(fits_.begin(), fits_.end(), [&](const Fit& f) {
-    return f.closed && (f.mean() - p).norm() < kSamePlace_m;
+    return f.closed && (f.mean() - p).norm() < kSameFeature_m;
   });
-  if (asked <= kReviews) return false;
-  std::set<FeatureId> beside;
-  for (const auto& [ref, result] : k.results()) {
-    for (const mission::Finding& f : result.inspection.findings) {
-      if ((f.position - p).norm() < kSameArea_m) beside.insert(f.feature);
-    }
-  }
-  return static_cast<std::size_t>(asked) > kReviews + std::max<std::size_t>(beside.size(), 1) - 1;
+  return asked > kReviews;
 }
 
 /// By a finding near by whose surface shows itself to the sighter (one that no other sighting of
@@ -116,14 +107,14 @@ bool AreaFitter::asked_enough(const robot::Knowledge& k, const Vec3& p) const {
 bool AreaFitter::explained(const robot::Knowledge& k, const Seen& seen,
                            std::set<FeatureId>* taken) const {
   const Vec3& p = seen.sighting.position;
-  if (asked_enough(k, p)) return true;
+  if (asked_enough(p)) return true;
   const mission::Finding* nearest = nullptr;
   double nearest_m = kSameFeature_m;
   for (const auto& [ref, result] : k.results()) {
     const mission::Inspection& i = result.inspection;
     const double off_m = (i.area_position - p).norm();
     if (off_m > 2 * kSameArea_m) continue;
-    if (!i.found && answered(i) && off_m < kSameFeature_m) return true;
+    if (!i.found && off_m < kSameFeature_m) return true;
     for (const mission::Finding& f : i.findings) {
       const double d = (f.position - p).norm();
       if (d >= nearest_m || (taken && taken->contains(f.feature))) continue;
@@ -165,7 +156,7 @@ std::vector<AreaFitter::Seen> AreaFitter::unexplained(const robot::Knowledge& k,
       std::max(kMiddleLeast_m, kMiddle_m / std::sqrt(static_cast<double>(fit.seen.size())));
   const Vec3 mean = fit.mean();
   const bool middle =
-      (!result.found && answered(result)) || asked_enough(k, mean) ||
+      !result.found || asked_enough(mean) ||
       std::any_of(result.findings.begin(), result.findings.end(),
                   [&](const auto& f) { return (f.position - mean).norm() < off_m; });
   std::vector<Seen> left;
@@ -173,8 +164,7 @@ std::vector<AreaFitter::Seen> AreaFitter::unexplained(const robot::Knowledge& k,
     std::set<FeatureId> taken = claimed_beside(k, seen);
     if (seen.reviews >= kReviews || (middle && explained(k, seen, &taken))) continue;
     left.push_back(seen);
-    // One who gave up is followed by one other.
-    left.back().reviews = answered(result) ? seen.reviews + 1 : kReviews;
+    ++left.back().reviews;
   }
   return left;
 }
@@ -193,27 +183,23 @@ void AreaFitter::review(robot::Knowledge& k, bool explored) {
     for (const Seen& seen : unexplained(k, fit)) again.push_back({seen, fit.area.region});
   }
   for (const auto& [seen, region] : again) add(k, seen, region);
-  settle_doubts(k);
+  settle_doubts(k, over);
 }
 
 /// What has been explained meanwhile is forgotten. What is not after a while is asked for: surfaces
 /// that are hard to see are sighted once, and a look settles it.
-void AreaFitter::settle_doubts(robot::Knowledge& k) {
+void AreaFitter::settle_doubts(robot::Knowledge& k, bool over) {
   std::vector<std::size_t> settled;
   for (std::size_t i = 0; i < fits_.size(); ++i) {
     if (fits_[i].ref) continue;
     std::erase_if(fits_[i].seen, [&](const Seen& seen) { return explained(k, seen); });
     if (fits_[i].seen.empty())
       settled.push_back(i);
-    else if (explored_ || (k.now() - fits_[i].since).s() > kDoubt_s)
+    else if (over || (k.now() - fits_[i].since).s() > kDoubt_s)
       publish(k, fits_[i]);
   }
   for (auto i = settled.rbegin(); i != settled.rend(); ++i)
     fits_.erase(fits_.begin() + static_cast<std::ptrdiff_t>(*i));
-}
-
-bool AreaFitter::in_doubt() const {
-  return std::any_of(fits_.begin(), fits_.end(), [](const Fit& f) { return !f.ref; });
 }
 
 AreaFitter::Fit* AreaFitter::open_fit(const robot::Knowledge& k, const Seen& seen) {

@@ -9,9 +9,6 @@
 
 namespace muster::agent {
 
-/// A result without parts, not even a first one, is no answer: the inspector gave the area up.
-inline bool answered(const mission::Inspection& inspection) { return inspection.parts > 0; }
-
 /// Fits areas of interest from noisy sightings (S0 (4)): sightings within 0.5 m of an area that can
 /// be of the same surface belong to it and refine its position; others begin a new one. Its normal
 /// is the mean direction to the sighters, in whose hemisphere the surface faces; whoever inspects
@@ -40,8 +37,6 @@ class AreaFitter {
   /// Holds the areas whose results came in since the last call against their sightings; cheap when
   /// none did. `explored`: no more looks are to come that could settle a doubt.
   void review(robot::Knowledge& knowledge, bool explored);
-  /// Sightings wait for others to tell whether they are an area.
-  bool in_doubt() const;
 
  private:
   struct Seen {
@@ -67,12 +62,12 @@ class AreaFitter {
   void add(robot::Knowledge& knowledge, const Seen& seen, RegionId region);
   Fit* open_fit(const robot::Knowledge& knowledge, const Seen& seen);
   bool doubtful(const robot::Knowledge& knowledge, const Seen& seen) const;
-  bool asked_enough(const robot::Knowledge& knowledge, const Vec3& p) const;
+  bool asked_enough(const Vec3& p) const;
   bool explained(const robot::Knowledge& knowledge, const Seen& seen,
                  std::set<FeatureId>* taken = nullptr) const;
   std::set<FeatureId> claimed_beside(const robot::Knowledge& knowledge, const Seen& seen) const;
   std::vector<Seen> unexplained(const robot::Knowledge& knowledge, const Fit& fit) const;
-  void settle_doubts(robot::Knowledge& knowledge);
+  void settle_doubts(robot::Knowledge& knowledge, bool explored);
   static Pose squarest(const robot::Knowledge& knowledge, const Fit& fit);
   void publish(robot::Knowledge& knowledge, Fit& fit);
 

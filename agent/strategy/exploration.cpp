@@ -19,16 +19,9 @@ constexpr double kBlocked_s = 3;
 constexpr double kBarred_s = 25;
 constexpr double kPatience = 2;  // times what the way should take, and a stay
 constexpr double kRefresh_s = 1.2;
-constexpr double kSurfaceStay_s = 7;  // a look comes every 2 s: at most three from one place
-// m³ that a cluster is worth for being done with: a frontier, a surface
-constexpr double kLeftover = 4, kLeftoverSurface = 1.5;
-constexpr double kSightingMargin_m = 0.2;
-constexpr double kFromThere_m = 0.35, kFromThere_rad = 0.2;  // a look from there is one from a goal
+constexpr double kSurfaceStay_s = 7;     // a look comes every 2 s: at most three from one place
+constexpr double kLeftover = 4;          // m³ that a cluster is worth for being done with
 constexpr double kDepth_m = 2.5;         // unknown volume behind a frontier, over its area
-constexpr double kMissedFeatures = 0.2;  // of the whole site, expected: so many may stay unseen
-constexpr double kSamePlace_m = 0.5;     // areas this near are one, asked for again
-constexpr double kYieldOver_m2 = 80, kYieldBefore_m2 = 20;
-constexpr double kLevel_rad = 4 * std::numbers::pi / 180;
 constexpr double kProgress = 0.3;        // of the looks that were promised: less was in vain
 constexpr double kStop_s = 1;            // to look, beside the way
 constexpr std::size_t kLookedInto = 12;  // viewpoints of clusters, per decision
@@ -40,20 +33,7 @@ map::TargetConfig target_config(const mission::Mission& mission, const mission::
   map::TargetConfig c;
   c.camera = vehicle.camera;
   c.pitch_rad = vehicle.pitch_rad;
-  c.look_range_m = mission.sensing.sighting_range_m - kSightingMargin_m;
-  // What none of the fleet can inspect is not looked for: a surface must be tilted from the level
-  // by as much as the steepest view misses of the rule's incidence; a little more is needed to
-  // hover.
-  c.least_tilt_up_rad = c.least_tilt_down_rad = std::numbers::pi / 2;
-  for (const RobotId id : mission.with_role(mission::Role::kInspector)) {
-    const mission::Vehicle& v = mission.robot(id).vehicle;
-    const double missing_rad = std::numbers::pi / 2 - mission.inspect.max_incidence_rad -
-                               v.camera.vfov_rad / 2 + kLevel_rad;
-    c.least_tilt_up_rad = std::min(c.least_tilt_up_rad, missing_rad + v.pitch_rad);
-    c.least_tilt_down_rad = std::min(c.least_tilt_down_rad, missing_rad - v.pitch_rad);
-  }
-  if (mission.with_role(mission::Role::kInspector).empty())
-    c.least_tilt_up_rad = c.least_tilt_down_rad = 0;
+  c.look_range_m = mission.sensing.sighting_range_m - 0.5;
   return c;
 }
 
@@ -76,7 +56,6 @@ void Exploration::on_scan(const mission::Scan& scan) {
 
 void Exploration::on_look(const robot::Knowledge& k, const mission::Sightings& sightings) {
   targets_.looked(sightings.sensor, sightings.pitch_rad);
-  looked_from_ = sightings.sensor;
   last_look_ = k.now();
   ++looks_;
 }
@@ -106,27 +85,6 @@ robot::Intent Exploration::fly_to(const Goal& goal) const {
   return intent;
 }
 
-/// Areas found per m² that looks showed, lately: the surfaces that are left to the end are not like
-/// the first (some look like surface and are noise, some nobody can inspect), so what they are
-/// worth is learnt from them. Half a feature in hand, for those that did not show yet.
-double Exploration::features_per_m2(const robot::Knowledge& k) {
-  std::vector<Vec3> places;
-  for (const auto& [ref, known] : k.areas()) {
-    const Vec3& p = known.area.position;
-    const bool asked_again =
-        std::ranges::any_of(places, [&](const Vec3& q) { return (p - q).norm() < kSamePlace_m; });
-    if (known.area.region == region_ && !asked_again) places.push_back(p);
-  }
-  const std::size_t found = places.size();
-  const double shown_m2 = targets_.shown_m2();
-  const double kept = std::exp((yield_shown_m2_ - shown_m2) / kYieldOver_m2);
-  yield_areas_ = kept * yield_areas_ + static_cast<double>(found - std::min(found, yield_found_));
-  yield_m2_ = kept * yield_m2_ + (1 - kept) * kYieldOver_m2;
-  yield_shown_m2_ = shown_m2;
-  yield_found_ = found;
-  return (yield_areas_ + 0.5) / (yield_m2_ + kYieldBefore_m2);
-}
-
 /// Brings clusters and their viewpoints up to date. Thorough: reachability by a full flood instead
 /// of one of the surroundings.
 void Exploration::refresh(robot::Knowledge& k, bool thorough,
@@ -135,8 +93,6 @@ void Exploration::refresh(robot::Knowledge& k, bool thorough,
   nav::PathFinder& paths = k.paths();
   paths.flood(k.position(), thorough ? 1e9 : kNearFlood_m);
   const Vec3 here = k.position();
-  targets_.enough(kMissedFeatures / static_cast<double>(k.mission().boxes.size()) /
-                  features_per_m2(k));
   targets_.update([&](const Vec3& p) {
     if (!thorough && (p - here).norm() > kNearFlood_m / kDetour)
       return true;  // told by the thorough round
@@ -146,16 +102,9 @@ void Exploration::refresh(robot::Knowledge& k, bool thorough,
   settled_ = scans_ + looks_;
 }
 
-/// The last look was from about there.
-bool Exploration::looked_from(const Pose& pose) const {
-  return (looked_from_.p - pose.p).norm() < kFromThere_m &&
-         std::abs(wrap_angle(looked_from_.yaw_rad - pose.yaw_rad)) < kFromThere_rad;
-}
-
 /// What it promised has been seen on the way.
 bool Exploration::used_up() const {
   const map::Worth left = targets_.worth(goal_->view.pose);
-  if (goal_->cluster) return left.owed_m2 < kUsedUp * goal_->view.worth.owed_m2;
   const ViewPrice p;
   const double value = left.unknown_m3 + (goal_->view.look ? p.owed_weight * left.owed_m2 : 0);
   return value < kUsedUp * goal_->view.value;
@@ -173,10 +122,8 @@ bool Exploration::worth_keeping(const robot::Knowledge& k, const robot::Progress
     still = still || (v.surface == goal_->surface && (v.pose.p - pose.p).norm() < 0.7 &&
                       std::abs(wrap_angle(v.pose.yaw_rad - pose.yaw_rad)) < 0.6);
   }
-  const bool looks_only = goal_->cluster && goal_->surface;
-  if (!still || ((looks_only || !goal_->cluster) && used_up())) return false;
-  const bool looked = goal_->view.look && looks_ != chosen_looks_ && looked_from(pose);
-  if (!looked && progress.state != robot::Progress::State::kArrived) {
+  if (goal_->cluster ? !still : used_up()) return false;
+  if (progress.state != robot::Progress::State::kArrived) {
     arrived_.reset();
     return true;
   }
@@ -184,10 +131,9 @@ bool Exploration::worth_keeping(const robot::Knowledge& k, const robot::Progress
     arrived_ = k.now();
     arrived_scans_ = scans_;
     arrived_looks_ = looks_;
+    arrived_counted_ = targets_.looks_counted();
   }
-  if (looked) {
-    // Had on arriving: no need to wait for the next.
-  } else if (goal_->view.look && (k.now() - *arrived_).s() < kSurfaceStay_s) {
+  if (goal_->view.look && (k.now() - *arrived_).s() < kSurfaceStay_s) {
     if (looks_ == arrived_looks_) return true;
   } else if (scans_ == arrived_scans_) {
     return true;  // one scan from here, taken at rest
@@ -197,7 +143,7 @@ bool Exploration::worth_keeping(const robot::Knowledge& k, const robot::Progress
       !goal_->cluster && targets_.worth(pose).unknown_m3 > 0.5 * goal_->view.worth.unknown_m3;
   const double cell_m2 = std::pow(k.map().config().resolution_m, 2);
   const double counted_m2 =
-      static_cast<double>(targets_.looks_counted() - chosen_counted_) * cell_m2;
+      static_cast<double>(targets_.looks_counted() - arrived_counted_) * cell_m2;
   // (A cluster that its viewpoint does not show is given up by the targets themselves.)
   const bool in_vain =
       goal_->view.look ? counted_m2 < kProgress * goal_->view.worth.owed_m2 + 0.1 : no_volume;
@@ -224,8 +170,7 @@ std::vector<Exploration::Goal> Exploration::candidates(robot::Knowledge& k) {
   std::vector<Rough> rough;
   for (const map::Viewpoint& v : targets_.viewpoints()) {
     if (barred(v.pose, now)) continue;
-    const double value =
-        v.surface ? kLeftoverSurface + p.owed_weight * v.gain : kLeftover + kDepth_m * v.gain;
+    const double value = kLeftover + (v.surface ? p.owed_weight : kDepth_m) * v.gain;
     const double way_s =
         travel_time_s((v.pose.p - here).norm(), v.pose.p - here, k.limits()) + kStop_s;
     rough.push_back({value / way_s, &v});
@@ -236,10 +181,7 @@ std::vector<Exploration::Goal> Exploration::candidates(robot::Knowledge& k) {
   for (const Rough& r : rough) {
     const map::Viewpoint& v = *r.v;
     map::Worth worth = targets_.worth(v.pose);
-    if (!v.surface)
-      worth.unknown_m3 += kLeftover;
-    else if (worth.owed_m2 > 0.3 * v.gain)
-      worth.unknown_m3 += kLeftoverSurface;
+    if (!v.surface || worth.owed_m2 > 0.3 * v.gain) worth.unknown_m3 += kLeftover;
     const Vec3 d = v.pose.p - here;
     double way_m = d.norm();
     if (!straight(k.map(), here, v.pose.p)) {
@@ -306,8 +248,6 @@ bool Exploration::choose(robot::Knowledge& k, double budget_s, const Vec3& meeti
              goal_->view.value, goal_->view.rate, goals[0].view.rate, goal_->view.arrive_s,
              known_m3(k));
   arrived_.reset();
-  chosen_looks_ = looks_;
-  chosen_counted_ = targets_.looks_counted();
   give_up_ = k.now() + Duration::from_s(kPatience * goal_->view.arrive_s + kSurfaceStay_s);
   return true;
 }

@@ -46,9 +46,7 @@ class Exploration {
   };
   ViewPrice price() const;
   bool worth_keeping(const robot::Knowledge& k, const robot::Progress& progress);
-  bool looked_from(const Pose& pose) const;
   bool used_up() const;
-  double features_per_m2(const robot::Knowledge& k);
   void refresh(robot::Knowledge& k, bool thorough, std::vector<mission::PlanningTime>& planning);
   std::vector<Goal> candidates(robot::Knowledge& k);
   bool choose(robot::Knowledge& k, double budget_s, const Vec3& meeting,
@@ -66,12 +64,8 @@ class Exploration {
   std::optional<SimTime> arrived_;
   std::uint64_t scans_ = 0, looks_ = 0;  // heard so far
   std::uint64_t settled_ = 0, refreshed_scans_ = 0, arrived_scans_ = 0, arrived_looks_ = 0,
-                chosen_looks_ = 0, chosen_counted_ = 0;
-  Pose looked_from_;
+                arrived_counted_ = 0;
   SimTime last_look_, refresh_again_, give_up_;
-  // of the looks lately, older ones for less
-  double yield_areas_ = 0, yield_m2_ = 0, yield_shown_m2_ = 0;
-  std::size_t yield_found_ = 0;
   bool entered_ = false;  // something of the box is known
   bool done_ = false;
   int empty_rounds_ = 0;

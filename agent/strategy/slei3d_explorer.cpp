@@ -62,7 +62,7 @@ void Slei3dExplorer::follow(robot::Knowledge& k, const Orders& o) {
 }
 
 bool Slei3dExplorer::region_done(const robot::Knowledge& k) const {
-  return exploration_ && exploration_->done() && !fitter_.in_doubt() &&
+  return exploration_ && exploration_->done() &&
          subgroup_.outstanding(k, exploration_->region()) == 0;
 }
 

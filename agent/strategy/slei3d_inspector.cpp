@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "agent/strategy/area_fitter.h"
 #include "common/core/log.h"
 #include "common/robot/guardian.h"
 #include "common/robot/knowledge.h"
@@ -14,7 +13,7 @@ namespace {
 constexpr double kBlockedPose_s = 4;
 // Refusals where no feature is known say that one is there that shows itself from somewhere else:
 // after so many everything is tried once more, from the beginning.
-constexpr std::size_t kManyLooks = 120;
+constexpr std::size_t kManyLooks = 60;
 constexpr int kMaxTries = 30;  // to find a pose at all
 constexpr double kRetryUnexplored_s = 60;
 // Of a refusal: a body in the way, or a surface that lies otherwise than it seems.
@@ -107,8 +106,8 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
   if (current_ && std::find(o.areas.begin(), o.areas.end(), *current_) == o.areas.end())
     current_.reset();
   if (current_) {
-    const bool arrived = progress.state == robot::Progress::State::kArrived;
-    if (!arrived)
+    const bool there = progress.state == robot::Progress::State::kArrived;
+    if (!there)
       looking_since_.reset();
     else if (!looking_since_)
       looking_since_ = k.now();
@@ -117,8 +116,9 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
     const bool refused = look_s > k.mission().inspect.hold_s + kAnswer_s ||
                          (progress.inspected &&
                           progress.inspected->outcome == mission::InspectOutcome::kRefusedView);
-    const bool hidden =
-        !arrived && !view_.seen && !in_sight(k, k.areas().at(*current_).area, view_.pose);
+    const bool hidden = progress.state != robot::Progress::State::kArrived && !view_.seen &&
+                        !in_sight(k, k.areas().at(*current_).area, view_.pose);
+    const bool arrived = progress.state == robot::Progress::State::kArrived;
     if (arrived || (k.position() - moved_to_).norm() > kMoved_m) {
       moved_to_ = k.position();
       moved_at_ = k.now();
@@ -215,23 +215,6 @@ bool Slei3dInspector::explored(const robot::Knowledge& k, const mission::AreaRef
   return p.region != k.areas().at(ref).area.region || p.state >= mission::RegionState::kExplored;
 }
 
-/// Somebody else closed an area here without an answer.
-bool Slei3dInspector::given_up_before(const robot::Knowledge& k, const mission::AreaRef& ref) {
-  const Vec3& p = k.areas().at(ref).area.position;
-  return std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
-    const mission::Inspection& i = r.second.inspection;
-    return r.second.by != k.self() && !answered(i) && (i.area_position - p).norm() < kSameSpot_m;
-  });
-}
-
-/// Tried often enough, with all explored, for what may be a stray sighting of something known or
-/// what somebody else tried before.
-bool Slei3dInspector::enough_for_a_stray(const robot::Knowledge& k, const mission::AreaRef& ref,
-                                         int attempts) {
-  return attempts >= kStrayLooks && explored(k, ref) &&
-         (may_be_stray(k, ref) || given_up_before(k, ref));
-}
-
 /// Sighted once or twice, and so near a feature that is known that it may have been a sighting of
 /// that one: not worth looking from everywhere.
 bool Slei3dInspector::may_be_stray(const robot::Knowledge& k, const mission::AreaRef& ref) {
@@ -258,7 +241,8 @@ void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
     effort.open *= 1 - (1 - kMisled) * view_.probability;
     if (effort.open < kRuledOut) return report_nothing(k, ref);
   }
-  if (enough_for_a_stray(k, ref, effort.looks)) return report_nothing(k, ref);
+  if (effort.looks >= kStrayLooks && explored(k, ref) && may_be_stray(k, ref))
+    return report_nothing(k, ref);
   if (!refused) postpone(k, ref);
   if (effort.in_vain.size() >= kManyLooks) effort.in_vain.clear();
 }
@@ -270,7 +254,8 @@ void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
 void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref) {
   Effort& effort = efforts_[ref];
   effort.not_before = k.now() + Duration::from_s(kRetryArea_s);
-  if (enough_for_a_stray(k, ref, effort.looks + effort.tries)) return report_nothing(k, ref);
+  if (effort.looks + effort.tries >= kStrayLooks && explored(k, ref) && may_be_stray(k, ref))
+    return report_nothing(k, ref);
   if (effort.tries < kMaxTries) return;
   if (!explored(k, ref) || effort.looks > 0) {
     effort.tries = kMaxTries / 2;
@@ -280,7 +265,6 @@ void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref)
   report_nothing(k, ref);
 }
 
-/// No answer. Its explorer asks somebody else once more.
 void Slei3dInspector::report_nothing(robot::Knowledge& k, const mission::AreaRef& ref) {
   log::info("area {}.{} is closed without an answer", ref.author.value, ref.key);
   mission::Inspection result;
@@ -288,7 +272,6 @@ void Slei3dInspector::report_nothing(robot::Knowledge& k, const mission::AreaRef
   result.area_position = k.areas().at(ref).area.position;
   result.pose = k.odometry().pose;
   result.done = k.now();
-  result.parts = 0;
   k.publish(store::RecordClass::kInspection, robot::result_key(ref), result);
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "agent/strategy/area_fitter.h"
 #include "agent/strategy/slei3d_inspector.h"
 #include "common/robot/stopwatch.h"
 #include "common/route/allocate.h"
@@ -21,29 +20,8 @@ constexpr double kForget_s = 3;
 constexpr double kAgainAfterMiss_s = 30;
 constexpr int kMissesUntilLost = 2, kNoWayUntilLost = 5;
 constexpr double kDetour = 1.3;
-constexpr double kSamePlace_m = 0.3;
 
 }  // namespace
-
-/// Did this inspector give up on an area here? Then it is somebody else's turn.
-bool Subgroup::gave_up(const robot::Knowledge& k, RobotId mate, const mission::AreaRef& ref) {
-  const Vec3& p = k.areas().at(ref).area.position;
-  return std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
-    const mission::Inspection& i = r.second.inspection;
-    return r.second.by == mate && !answered(i) && (i.area_position - p).norm() < kSamePlace_m;
-  });
-}
-
-/// Who takes an area that falls to `mate`: somebody else in contact, if it gave up there. nullopt:
-/// nobody here does.
-std::optional<RobotId> Subgroup::taker(const robot::Knowledge& k, const std::vector<RobotId>& crew,
-                                       RobotId mate, const mission::AreaRef& ref) {
-  if (crew.size() == 1 || !gave_up(k, mate, ref)) return mate;
-  for (const RobotId other : crew) {
-    if (k.in_contact(other) && !gave_up(k, other, ref)) return other;
-  }
-  return std::nullopt;
-}
 
 bool Subgroup::mine(const robot::Knowledge& k, const mission::AreaRef& ref, RegionId region) const {
   return k.areas().at(ref).area.region == region || ref.author == k.self();
@@ -153,9 +131,7 @@ void Subgroup::allocate(robot::Knowledge& k, RegionId region, bool exploring,
     for (std::size_t i = 0; i < crew.size(); ++i) {
       if (!k.in_contact(crew[i])) continue;  // the others get theirs when they are met
       for (const std::uint32_t a : shares[i]) {
-        const auto who = taker(k, crew, crew[i], open_[a]);
-        if (!who) continue;
-        given_[open_[a]] = *who;
+        given_[open_[a]] = crew[i];
         order_.push_back(open_[a]);
         changed = true;
       }

@@ -61,9 +61,6 @@ class Subgroup {
   const std::map<RobotId, Mate>& mates() const { return mates_; }
 
  private:
-  static std::optional<RobotId> taker(const robot::Knowledge& k, const std::vector<RobotId>& crew,
-                                      RobotId mate, const mission::AreaRef& ref);
-  static bool gave_up(const robot::Knowledge& k, RobotId mate, const mission::AreaRef& ref);
   /// Nothing of what I allocated concerns it that it has not heard.
   bool informed(RobotId mate) const;
   bool mine(const robot::Knowledge& k, const mission::AreaRef& ref, RegionId region) const;

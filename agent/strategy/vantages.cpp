@@ -11,7 +11,7 @@ constexpr double kPitch_m = 1.0;
 constexpr double kNear_m = 6.0;
 constexpr double kUnseenValue = 60;  // a place never looked at: about a frustum of unknown
 constexpr std::size_t kLooks = 50, kRefreshes = 10;  // panoramas per decision
-constexpr double kLeastValue = 1.5;                  // less is left to the viewpoints of clusters
+constexpr double kLeastValue = 3;                    // less is left to the viewpoints of clusters
 constexpr double kFresh_s = 0.3;
 constexpr double kGlance_s = 0.35;  // a scan comes twice a second
 constexpr double kDecide_s = 0.2;   // coming to rest, starting again

@@ -22,11 +22,7 @@ constexpr double kOpenBeside_rad = 0.7;
 constexpr double kOpenAnywhere = 0.15;
 constexpr double kSamePose_rad = 0.06, kSamePose_m = 0.3;  // shows the same again
 constexpr double kSameLook_rad = 0.2;                      // what was wrong there may be wrong here
-// What was not found by so many looks is narrow: the next ones lie closer together.
-constexpr std::size_t kLooksPerRound = 30;
-// And then the map may err that something hides the area.
-constexpr double kHiddenByMap = 0.1;
-constexpr double kSameLook = 0.92;  // how surely, at the very same direction
+constexpr double kSameLook = 0.92;                         // how surely, at the very same direction
 constexpr double kRanges_m[] = {1.2, 1.6, 2.1, 2.7, 3.4, 4.1, 4.6};
 constexpr double kElevations_rad[] = {0.0,   0.12, -0.12, 0.22,  -0.22,  0.3,   -0.3,  0.37,
                                       -0.37, 0.43, -0.43, 0.475, -0.475, 0.505, -0.505};
@@ -52,9 +48,6 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
   for (const VainLook& v : in_vain) {
     if (v.refused) belief.refuse(v.look);
   }
-  const std::size_t round = in_vain.size() / kLooksPerRound;
-  const double same_look_rad = kSameLook_rad / (1 + static_cast<double>(round));
-  const double hidden = round == 0 ? 0 : kHiddenByMap;
   const Vec3 n = belief.normal();
   const double least = kLeastChance[std::clamp(attempts / 2, 0, 3)];
 
@@ -79,7 +72,7 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
   const auto consider = [&](const Vec3& from, std::span<const double> ranges_m, bool seen) {
     double faces = belief.faces(from);
     for (const VainLook& v : in_vain) {
-      const double off = angle(from, v.look.from) / same_look_rad;
+      const double off = angle(from, v.look.from) / kSameLook_rad;
       faces *= 1 - (v.refused ? kSameLook : kSameLook / 2) * std::exp(-off * off);
     }
     const double beside = open(from);
@@ -101,7 +94,7 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
     }
   };
   for (int i = 0; i < kAzimuths; ++i) {
-    const double az = 2 * std::numbers::pi * (i + 0.5 * static_cast<double>(round % 2)) / kAzimuths;
+    const double az = 2 * std::numbers::pi * i / kAzimuths;
     for (const double el : kElevations_rad) {
       consider({std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el)}, kRanges_m,
                false);
@@ -118,9 +111,7 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
   double best_s = std::numeric_limits<double>::infinity();
   for (Candidate& c : found) {
     if (c.cost_s >= best_s) break;
-    const double by_map =
-        c.view.seen ? 1 : std::max(clear(k, area.position, n, c.view.pose.p), hidden);
-    c.view.seen = c.view.seen || by_map <= hidden;
+    const double by_map = c.view.seen ? 1 : clear(k, area.position, n, c.view.pose.p);
     c.view.look.clear *= by_map;
     c.view.probability *= by_map;
     if (c.view.probability < least) continue;

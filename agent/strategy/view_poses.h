@@ -12,8 +12,7 @@ struct ViewPose {
   Pose pose;
   RefusedLook look;  ///< what to remember should it be refused
   double probability = 0;
-  bool seen =
-      false;  ///< whatever the map says: a sighting came along this very line, or it may err
+  bool seen = false;  ///< a sighting came along this very line
 };
 
 /// A look that brought nothing: the camera refused it, or it was never reached.

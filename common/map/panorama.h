@@ -24,13 +24,7 @@ class PanoramaReader {
   Worth at(const Pose& pose) const;
 
  private:
-  struct Sample {
-    std::vector<VoxelKey> cells;
-    double stands_for = 1;
-  };
-  Sample owed_around(const Vec3& eye) const;
-  double look_m2(VoxelKey k, const Vec3& eye) const;
-  double column(const Vec3& eye, double yaw_rad, int column) const;
+  Worth column(const Vec3& eye, double yaw_rad, int column) const;
 
   const VoxelMap& map_;
   const RegionCells& cells_;

@@ -1,6 +1,5 @@
 #include "common/map/region_cells.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace muster::map {
@@ -53,10 +52,9 @@ Plane plane(const std::uint64_t* words) {
 }  // namespace
 
 RegionCells::RegionCells(const VoxelMap& map, const Box& box, std::uint32_t looks,
-                         double max_extent_m, const LeastTilt& least_tilt)
+                         double max_extent_m)
     : map_(map),
-      looks_(std::min(looks, kMostLooks)),
-      least_tilt_(least_tilt),
+      looks_(looks),
       neighbours_(neighbours_of(blocks_of(box, map.config().resolution_m * kBlockSide))),
       frontier_(blocks_of(box, map.config().resolution_m * kBlockSide), neighbours_,
                 map.config().resolution_m, max_extent_m),
@@ -124,147 +122,41 @@ void RegionCells::recompute(std::size_t index) {
   const BlockView view = map_.view(slot.key);
   if (!view) return;
   const Plane free = plane(view.free);
-  Plane frontier{};
-  std::array<Plane, 6> free_ahead;
+  Plane beside_unknown{}, beside_free{}, credit{};
   for (int face = 0; face < 6; ++face) {
     const VoxelKey& d = kFaces[face];
-    const int n = neighbours_[index][beyond(face)];
-    free_ahead[static_cast<std::size_t>(face)] = shifted(
+    const auto neighbour = [&](int f) -> const Slot* {
+      const int n = neighbours_[index][beyond(f)];
+      return n < 0 ? nullptr : &slots_[static_cast<std::size_t>(n)];
+    };
+    const Slot *ahead = neighbour(face), *behind = neighbour(face ^ 1);
+    const Plane free_ahead = shifted(
         free, plane(map_.view({slot.key.x + d.x, slot.key.y + d.y, slot.key.z + d.z}).free), face);
-    const Plane unknown_ahead =
-        shifted(slot.unknown, n < 0 ? kNothing : slots_[static_cast<std::size_t>(n)].unknown, face);
-    for (std::size_t w = 0; w < 64; ++w)
-      frontier[w] |= free[w] & slot.inside[w] & unknown_ahead[w] & ~slot.given_up[w];
+    const Plane unknown_ahead = shifted(slot.unknown, ahead ? ahead->unknown : kNothing, face);
+    const Plane seen_ahead = shifted(slot.seen, ahead ? ahead->seen : kNothing, face);
+    const Plane seen_behind = shifted(slot.seen, behind ? behind->seen : kNothing, face ^ 1);
+    for (std::size_t w = 0; w < 64; ++w) {
+      beside_unknown[w] |= unknown_ahead[w];
+      beside_free[w] |= free_ahead[w];
+      // Noise moves a surface by a voxel along its normal: the looks at it still count.
+      credit[w] |= free_ahead[w] & (seen_ahead[w] | seen_behind[w]);
+    }
+  }
+  Plane frontier, owed;
+  for (std::size_t w = 0; w < 64; ++w) {
+    frontier[w] = free[w] & slot.inside[w] & beside_unknown[w] & ~slot.given_up[w];
+    owed[w] = view.occupied[w] & slot.high_enough[w] & beside_free[w] & ~slot.seen[w] & ~credit[w];
+  }
+  if (looks_ > 0) {
+    Plane fresh;
+    for (std::size_t w = 0; w < 64; ++w) {
+      fresh[w] = owed[w] & ~slot.told[w];
+      slot.told[w] |= owed[w];
+    }
+    for_each_bit(fresh, [&](int i) { new_surface_.push_back(voxel_in(slot.key, i)); });
   }
   frontier_.set(index, frontier);
-  if (looks_ > 0) owed_.set(index, recompute_surface(index, free_ahead));
-}
-
-/// Which faces of the block's surface are open and owed looks; returns the voxels that have any.
-Plane RegionCells::recompute_surface(std::size_t index, const std::array<Plane, 6>& free_ahead) {
-  Slot& slot = slots_[index];
-  const BlockView view = map_.view(slot.key);
-  Plane surface, any{};
-  bool some = slot.looks != nullptr;
-  for (std::size_t w = 0; w < 64; ++w) {
-    surface[w] = view.occupied[w] & slot.high_enough[w];
-    some = some || surface[w] != 0;
-  }
-  if (!some) return any;
-  if (!slot.looks) slot.looks = std::make_unique<FaceLooks>();
-  FaceLooks& looks = *slot.looks;
-  Plane fresh{};
-  std::array<Plane, 6> fresh_face;
-  for (std::size_t f = 0; f < 6; ++f) {
-    for (std::size_t w = 0; w < 64; ++w) looks.open[f][w] = surface[w] & free_ahead[f][w];
-  }
-  for (int face = 0; face < 6; ++face) {
-    const auto f = static_cast<std::size_t>(face);
-    // Noise moves a surface by a voxel along its normal: the looks at it still count.
-    const auto seen_beyond = [&](int way) {
-      const int n = neighbours_[index][beyond(way)];
-      const FaceLooks* other = n < 0 ? nullptr : slots_[static_cast<std::size_t>(n)].looks.get();
-      return shifted(looks.seen[f], other ? other->seen[f] : kNothing, way);
-    };
-    const Plane seen_ahead = seen_beyond(face), seen_behind = seen_beyond(face ^ 1);
-    for (std::size_t w = 0; w < 64; ++w) {
-      looks.owed[f][w] = looks.open[f][w] & ~(looks.seen[f][w] | seen_ahead[w] | seen_behind[w]);
-      any[w] |= looks.owed[f][w];
-    }
-  }
-  leave_level(slot, 4, least_tilt_.up_rad, any);
-  leave_level(slot, 5, least_tilt_.down_rad, any);
-  any = {};
-  for (std::size_t f = 0; f < 6; ++f) {
-    for (std::size_t w = 0; w < 64; ++w) {
-      any[w] |= looks.owed[f][w];
-      fresh_face[f][w] = looks.owed[f][w] & ~looks.told[f][w];
-      fresh[w] |= fresh_face[f][w];
-      looks.told[f][w] |= looks.owed[f][w];
-    }
-  }
-  for_each_bit(fresh, [&](int i) {
-    FaceSet set = 0;
-    for (std::size_t f = 0; f < 6; ++f) {
-      if (bit(fresh_face[f], i)) set = static_cast<FaceSet>(set | 1u << f);
-    }
-    new_surface_.push_back({voxel_in(slot.key, i), set});
-  });
-  return any;
-}
-
-double RegionCells::hidden(VoxelKey k) const {
-  const FaceSet owed = owed_faces(k);
-  double side = 0, other_side = 0;
-  for (int f = 0; f < 6; f += 2) {
-    const double ahead = (owed >> f & 1) != 0 ? kMissed[looks(k, f)] : 0;
-    const double behind = (owed >> (f + 1) & 1) != 0 ? kMissed[looks(k, f + 1)] : 0;
-    side = std::max({side, ahead, behind});
-    other_side = std::max(other_side, std::min(ahead, behind));
-  }
-  return side + other_side;
-}
-
-/// Level surfaces that face up or down (`face`) are not owed looks, nor are the steps of one voxel
-/// that noise makes in them.
-void RegionCells::leave_level(Slot& slot, int face, double least_tilt_rad, const Plane& owed) {
-  if (least_tilt_rad <= 0) return;
-  FaceLooks& looks = *slot.looks;
-  Plane candidates;
-  for (std::size_t w = 0; w < 64; ++w)
-    candidates[w] = owed[w] & looks.open[static_cast<std::size_t>(face)][w];
-  for_each_bit(candidates, [&](int i) {
-    const VoxelKey k = voxel_in(slot.key, i);
-    if (!level(k, face, least_tilt_rad)) return;
-    put(looks.owed[static_cast<std::size_t>(face)], i, false);
-    for (int side = 0; side < 4; ++side) {
-      const VoxelKey& d = kFaces[side];
-      const VoxelKey step{k.x + d.x, k.y + d.y, k.z - kFaces[face].z};
-      if (open_row(step, face, 0) != 0) put(looks.owed[static_cast<std::size_t>(side)], i, false);
-    }
-  });
-}
-
-/// Open faces of the voxels from −half to +half along x around `k`, as bits from 0.
-std::uint32_t RegionCells::open_row(VoxelKey k, int face, int half) const {
-  const auto bits = [&](int block_x) -> std::uint32_t {
-    const std::size_t i = index_of({block_x, k.y >> 4, k.z >> 4});
-    if (i == kNone || !slots_[i].looks) return 0;
-    return row(slots_[i].looks->open[static_cast<std::size_t>(face)].data(), k.y & 15, k.z & 15);
-  };
-  const int first = k.x - half, block_x = first >> 4;
-  std::uint32_t wide = bits(block_x);
-  if ((k.x + half) >> 4 != block_x) wide |= bits(block_x + 1) << 16;
-  return wide >> (first & 15) & ((1u << (2 * half + 1)) - 1);
-}
-
-/// Is the surface that this face is a part of more level than that? A plane is fitted to the same
-/// faces of the columns around, one voxel higher or lower at most.
-bool RegionCells::level(VoxelKey k, int face, double least_tilt_rad) const {
-  constexpr int kHalf = 4, kLeast = 15;
-  constexpr double kLeastSpread = 0.6, kRough = 0.6;  // voxels: standard deviations
-  double n = 0, sx = 0, sy = 0, sh = 0, sxx = 0, syy = 0, sxy = 0, sxh = 0, syh = 0, shh = 0;
-  for (int y = -kHalf; y <= kHalf; ++y) {
-    std::uint32_t had = 0;
-    for (const int h : {0, 1, -1}) {
-      const std::uint32_t bits = open_row({k.x, k.y + y, k.z + h}, face, kHalf) & ~had;
-      had |= bits;
-      for (std::uint32_t left = bits; left != 0; left &= left - 1) {
-        const int x = __builtin_ctz(left) - kHalf;
-        n += 1, sx += x, sy += y, sh += h;
-        sxx += x * x, syy += y * y, sxy += x * y;
-        sxh += x * h, syh += y * h, shh += h * h;
-      }
-    }
-  }
-  if (n < kLeast) return false;
-  sxx -= sx * sx / n, syy -= sy * sy / n, sxy -= sx * sy / n;
-  sxh -= sx * sh / n, syh -= sy * sh / n, shh -= sh * sh / n;
-  const double det = sxx * syy - sxy * sxy;
-  if (std::min(sxx, syy) < n * kLeastSpread * kLeastSpread || det < 1e-6 * sxx * syy) return false;
-  const double a = (sxh * syy - syh * sxy) / det, b = (syh * sxx - sxh * sxy) / det;
-  const double residual = shh - a * sxh - b * syh;
-  return std::hypot(a, b) < std::tan(least_tilt_rad) && residual < n * kRough * kRough;
+  owed_.set(index, looks_ == 0 ? kNothing : owed);
 }
 
 void RegionCells::looked_in_vain(VoxelKey k) {
@@ -275,26 +167,17 @@ void RegionCells::looked_in_vain(VoxelKey k) {
   slot->dirty = true;
 }
 
-void RegionCells::count_look(VoxelKey k, FaceSet faces) {
+void RegionCells::count_look(VoxelKey k) {
   const std::size_t index = index_of(block_of(k));
-  if (index == kNone || !slots_[index].looks) return;
-  FaceLooks& looks = *slots_[index].looks;
-  const int at = local_index(k);
-  bool enough = false, counted = false;
-  const double before = hidden(k);
-  for (int f = 0; f < 6; ++f) {
-    const std::uint32_t n = looks.count(at, f);
-    if ((faces >> f & 1) == 0 || n >= looks_) continue;
-    looks.counts[static_cast<std::size_t>(at)] =
-        static_cast<std::uint16_t>(looks.counts[static_cast<std::size_t>(at)] + (1u << (2 * f)));
-    counted = true;
-    if (n + 1 < looks_) continue;
-    put(looks.seen[static_cast<std::size_t>(f)], at, true);
-    enough = true;
+  if (index == kNone) return;
+  Slot& slot = slots_[index];
+  if (slot.looks.empty()) slot.looks.assign(kBlockVoxels, 0);
+  std::uint8_t& n = slot.looks[static_cast<std::size_t>(local_index(k))];
+  if (n < looks_) ++looks_counted_;
+  if (n < 255 && ++n == looks_) {
+    put(slot.seen, local_index(k), true);
+    mark_around(index);
   }
-  looks_counted_ += counted ? 1 : 0;
-  shown_ += before - hidden(k);
-  if (enough) mark_around(index);
 }
 
 }  // namespace muster::map

@@ -35,8 +35,6 @@ struct Tracked {
   int visits = 0;
   std::size_t cells_at_visit = 0;
   bool exhausted = false;  ///< looked at from its viewpoints, in vain
-  double hidden_m2 = 0;    ///< surface
-  bool enough = false;     ///< surface: looked at often enough, as things are
 };
 
 bool alike(std::size_t a, std::size_t b) { return std::max(a, b) * 4 <= std::min(a, b) * 5; }
@@ -48,7 +46,7 @@ struct Targets::Impl {
   Impl(const VoxelMap& m, const Box& b, const TargetConfig& c)
       : map(m),
         config(c),
-        cells(m, b, c.looks, c.max_cluster_extent_m, {c.least_tilt_up_rad, c.least_tilt_down_rad}),
+        cells(m, b, c.looks, c.max_cluster_extent_m),
         search(m, cells, c),
         panorama(m, cells, c) {}
 
@@ -69,22 +67,15 @@ struct Targets::Impl {
   std::uint32_t next_id = 1;
   std::vector<Viewpoint> viewpoints;
   std::vector<Refused> refused;
-  double frontier_m2 = 0, owed_m2 = 0, hidden_m2 = 0;
+  double frontier_m2 = 0, owed_m2 = 0;
   bool done = false;
-  double enough_hidden_m2 = 0;
 
   double area_m2(const Tracked& t) const {
     return static_cast<double>(t.cluster.cells.size()) * map.config().resolution_m *
            map.config().resolution_m;
   }
-  double hidden_m2_of(const Tracked& t) const {
-    double cells_hidden = 0;
-    for (const VoxelKey& k : t.cluster.cells) cells_hidden += cells.hidden(k);
-    return cells_hidden * map.config().resolution_m * map.config().resolution_m;
-  }
   /// A sliver beside a larger part of its group is left: on its own it would be too small.
   bool is_owed(const Tracked& t) const {
-    if (t.surface && t.enough) return false;
     return t.cluster.group_m2 >= config.min_cluster_m2 - 1e-9 &&
            area_m2(t) >= kSliver * config.min_cluster_m2;
   }
@@ -95,7 +86,6 @@ struct Targets::Impl {
   void visit(std::vector<Tracked>& clusters, const Pose& sensor,
              const std::vector<VoxelKey>& progress);
   void track(CellClusters& source, bool surface, std::vector<Tracked>& tracked);
-  void weigh_surfaces();
   void drop_blocked_views(std::vector<Tracked>& tracked);
   void search_viewpoints(const std::function<bool(const Vec3&)>& reachable);
   void sum_up();
@@ -122,15 +112,11 @@ void Targets::Impl::take_looks() {
   for (const Look& look : looks) {
     const FieldOfView fov = search.reliable(true);
     std::vector<VoxelKey> seen;
-    std::vector<FaceSet> faces;
     cells.near(cells.owed(), look.sensor.p, fov.range_m, [&](VoxelKey k) {
       if (!fov.contains(look.sensor, look.pitch_rad, map.center(k))) return;
-      const FaceSet in_view = faces_sighted(map, surface_aim(cells, k), look.sensor.p, fov.range_m);
-      if (in_view == 0) return;
-      seen.push_back(k);
-      faces.push_back(in_view);
+      if (sighted(map, surface_aim(map, k), look.sensor.p, fov.range_m)) seen.push_back(k);
     });
-    for (std::size_t i = 0; i < seen.size(); ++i) cells.count_look(seen[i], faces[i]);
+    for (const VoxelKey& k : seen) cells.count_look(k);
     visit(owed, look.sensor, seen);
   }
   past_looks.insert(past_looks.end(), looks.begin(), looks.end());
@@ -141,19 +127,15 @@ void Targets::Impl::take_looks() {
 /// looks count for it as well.
 void Targets::Impl::credit_past_looks() {
   const FieldOfView fov = search.reliable(true);
-  for (const auto& [k, faces] : cells.take_new_surface()) {
+  for (const VoxelKey& k : cells.take_new_surface()) {
     const Vec3 p = map.center(k);
-    Aim aim = surface_aim(cells, k);
-    aim.owed &= faces;
-    for (std::size_t i = past_looks.size(); i-- > 0 && aim.owed != 0;) {
+    std::optional<Aim> aim;
+    for (std::size_t i = past_looks.size(); i-- > 0 && cells.looks_owed(k) > 0;) {
       const Look& look = past_looks[i];
       if ((p - look.sensor.p).squaredNorm() > fov.range_m * fov.range_m) continue;
       if (!fov.contains(look.sensor, look.pitch_rad, p)) continue;
-      cells.count_look(k, faces_sighted(map, aim, look.sensor.p, fov.range_m));
-      for (int f = 0; f < 6; ++f) {
-        if (cells.looks(k, f) >= std::min(config.looks, kMostLooks))
-          aim.owed = static_cast<FaceSet>(aim.owed & ~(1u << f));
-      }
+      if (!aim) aim = surface_aim(map, k);
+      if (sighted(map, *aim, look.sensor.p, fov.range_m)) cells.count_look(k);
     }
   }
 }
@@ -249,25 +231,6 @@ void Targets::Impl::track(CellClusters& source, bool surface, std::vector<Tracke
             [](const Tracked& a, const Tracked& b) { return a.id < b.id; });
 }
 
-/// Leaves the clusters that hide least, as long as all of them together hide little enough: a
-/// cluster of few looks before a large one that lacks its last.
-void Targets::Impl::weigh_surfaces() {
-  std::vector<Tracked*> order;
-  for (Tracked& t : owed) {
-    t.hidden_m2 = hidden_m2_of(t);
-    t.enough = false;
-    if (is_owed(t) && !t.exhausted) order.push_back(&t);
-  }
-  std::stable_sort(order.begin(), order.end(),
-                   [](const Tracked* a, const Tracked* b) { return a->hidden_m2 < b->hidden_m2; });
-  double sum_m2 = 0;
-  for (Tracked* t : order) {
-    sum_m2 += t->hidden_m2;
-    if (sum_m2 > enough_hidden_m2) break;
-    t->enough = true;
-  }
-}
-
 void Targets::Impl::drop_blocked_views(std::vector<Tracked>& tracked) {
   for (Tracked& t : tracked) {
     const std::size_t before = t.views.size();
@@ -321,11 +284,11 @@ void Targets::Impl::search_viewpoints(const std::function<bool(const Vec3&)>& re
 void Targets::Impl::sum_up() {
   viewpoints.clear();
   refused.clear();
-  frontier_m2 = owed_m2 = hidden_m2 = 0;
+  frontier_m2 = owed_m2 = 0;
   done = cells.any_known();
   for (const auto* list : {&frontier, &owed}) {
     for (const Tracked& t : *list) {
-      const double area = area_m2(t), hidden = t.hidden_m2;
+      const double area = area_m2(t);
       const auto refuse = [&](std::string reason) {
         refused.push_back({t.centroid, area, std::move(reason)});
       };
@@ -333,20 +296,18 @@ void Targets::Impl::sum_up() {
       if (!is_owed(t)) {
         char least[32];
         std::snprintf(least, sizeof least, "%.1f m²", config.min_cluster_m2);
-        refuse(t.enough ? "surface: looked at often enough" : what + ": smaller than " + least);
+        refuse(what + ": smaller than " + least);
       } else if (t.exhausted) {
         refuse(what + ": looked at from its viewpoints, nothing became known");
       } else if (!t.views.empty()) {
         viewpoints.insert(viewpoints.end(), t.views.begin(), t.views.end());
         (t.surface ? owed_m2 : frontier_m2) += area;
-        hidden_m2 += hidden;
         done = false;
       } else if (t.searched && cells.growth() < t.searched_growth + kGrowthThatMatters) {
         refuse(what +
                (t.surface ? ": no reachable pose gives a look" : ": no reachable pose sees it"));
       } else {
         (t.surface ? owed_m2 : frontier_m2) += area;
-        hidden_m2 += hidden;
         done = false;  // not searched yet
       }
     }
@@ -379,7 +340,6 @@ void Targets::update(const std::function<bool(const Vec3&)>& reachable) {
   Impl& t = *impl_;
   t.track(t.cells.frontier(), false, t.frontier);
   t.track(t.cells.owed(), true, t.owed);
-  t.weigh_surfaces();
   t.drop_blocked_views(t.frontier);
   t.drop_blocked_views(t.owed);
   t.search_viewpoints(reachable);
@@ -390,11 +350,6 @@ const std::vector<Viewpoint>& Targets::viewpoints() const { return impl_->viewpo
 const std::vector<Refused>& Targets::refused() const { return impl_->refused; }
 bool Targets::done() const { return impl_->done; }
 double Targets::frontier_m2() const { return impl_->frontier_m2; }
-void Targets::enough(double hidden_m2) { impl_->enough_hidden_m2 = hidden_m2; }
-double Targets::shown_m2() const {
-  return impl_->cells.shown() * std::pow(impl_->map.config().resolution_m, 2);
-}
-double Targets::hidden_m2() const { return impl_->hidden_m2; }
 double Targets::owed_surface_m2() const { return impl_->owed_m2; }
 std::uint64_t Targets::looks_counted() const { return impl_->cells.looks_counted(); }
 

@@ -46,12 +46,12 @@ struct TargetConfig {
   double pitch_rad = 0;
   double min_cluster_m2 = 0.5;
   double max_cluster_extent_m = 2.5;
-  /// How often every open *face* of a surface voxel (towards a free 6-neighbour) must have been in
-  /// view of the detector, from its own side; at most kMostLooks. 0: surfaces are owed none.
-  std::uint32_t looks = 3;
-  /// More level surfaces, facing up or down, are not owed looks: whoever is to inspect them cannot
-  /// (a level camera of ±30° never sees a floor within 60° of its normal). 0: all are.
-  double least_tilt_up_rad = 0, least_tilt_down_rad = 0;
+  /// How often every exposed *face* of a surface voxel (towards a free 6-neighbour) must have been
+  /// in view of the detector, from its own side: a thin eave has two sides in one voxel, and a look
+  /// from above says nothing about what hangs below it. (Counted per voxel, four features of pagoda
+  /// --seed 1 under its eaves stay unsighted.)
+  std::uint32_t looks =
+      3;  ///< how often every surface voxel must have been in view of the detector at a look
   double look_range_m = 4.5;  ///< within the sighting range, with a margin
 };
 
@@ -97,12 +97,6 @@ class Targets {
   bool done() const;
   double frontier_m2() const;
   double owed_surface_m2() const;
-  /// Surface that may still hide features: an area that was never looked at, or as many times as
-  /// much for each look as a look misses.
-  double hidden_m2() const;
-  /// Surfaces that hide no more than this, all together, are not owed looks any more.
-  void enough(double hidden_m2);
-  double shown_m2() const;  ///< of what was hidden, by all looks so far; never shrinks
   /// Looks at surface voxels that counted, so far.
   std::uint64_t looks_counted() const;
 

@@ -8,9 +8,8 @@
 namespace muster::map {
 namespace {
 
-constexpr double kLeastFacing = 0.15;   // cosine of the most grazing view that counts
-constexpr double kBesideFacing = -0.5;  // of a face that is seen with another of its voxel: a slope
-constexpr std::size_t kAims = 14;       // cells of a cluster that stand for all of it
+constexpr double kLeastFacing = 0.15;  // cosine of the most grazing view that counts
+constexpr std::size_t kAims = 14;      // cells of a cluster that stand for all of it
 constexpr int kBearings = 12;
 constexpr double kDistancesM[] = {0.8, 1.5, 2.4, 3.5};
 constexpr double kSlopes[] = {0, 0.3, -0.3};  // height over distance
@@ -19,12 +18,9 @@ constexpr double kGoodShare = 0.6;  // of the best score: among these, what else
 constexpr std::size_t kFinalists = 4;
 constexpr double kAvoidM = 0.5;
 
-Vec3 normal_of(int face) {
-  const VoxelKey& d = kFaces[face];
-  return {static_cast<double>(d.x), static_cast<double>(d.y), static_cast<double>(d.z)};
+double facing(const Aim::Spot& s, const Vec3& eye) {
+  return s.normal.isZero() ? 1 : (eye - s.at).normalized().dot(s.normal);
 }
-bool has(FaceSet set, int face) { return (set >> face & 1) != 0; }
-FaceSet with(FaceSet set, int face) { return static_cast<FaceSet>(set | 1u << face); }
 
 }  // namespace
 
@@ -32,52 +28,27 @@ Aim frontier_aim(const VoxelMap& map, const RegionCells& cells, VoxelKey k) {
   Aim aim{k, {}};
   for (const VoxelKey& d : kFaces) {
     const VoxelKey u{k.x + d.x, k.y + d.y, k.z + d.z};
-    if (cells.unknown_in_box(u)) aim.spots.push_back(map.center(u));
+    if (cells.unknown_in_box(u)) aim.spots.push_back({map.center(u), Vec3::Zero()});
   }
   return aim;
 }
 
-Aim surface_aim(const RegionCells& cells, VoxelKey k) {
-  Aim aim{k, {}, cells.open_faces(k), cells.owed_faces(k), {}, 0};
-  for (int f = 0; f < 6; ++f) {
-    if (!has(aim.owed, f)) continue;
-    aim.value[static_cast<std::size_t>(f)] = cells.look_value(k, f);
-    aim.most = std::max(aim.most, aim.value[static_cast<std::size_t>(f)]);
+Aim surface_aim(const VoxelMap& map, VoxelKey k) {
+  Aim aim{k, {}};
+  for (const VoxelKey& d : kFaces) {
+    const VoxelKey n{k.x + d.x, k.y + d.y, k.z + d.z};
+    const Vec3 normal(d.x, d.y, d.z);
+    if (map.at(n) == Voxel::kFree)
+      aim.spots.push_back({map.center(k) + 0.55 * map.config().resolution_m * normal, normal});
   }
   return aim;
 }
 
 bool sighted(const VoxelMap& map, const Aim& aim, const Vec3& eye, double range_m) {
-  return std::ranges::any_of(aim.spots, [&](const Vec3& s) {
-    return (s - eye).squaredNorm() <= range_m * range_m && map.line_of_sight(eye, s, false);
+  return std::ranges::any_of(aim.spots, [&](const Aim::Spot& s) {
+    return (s.at - eye).squaredNorm() <= range_m * range_m && facing(s, eye) > kLeastFacing &&
+           map.line_of_sight(eye, s.at, false);
   });
-}
-
-FaceSet faces_sighted(const VoxelMap& map, const Aim& aim, const Vec3& eye, double range_m) {
-  const Vec3 center = map.center(aim.cell), towards = (eye - center).normalized();
-  FaceSet asked = 0, clear = 0;
-  const auto in_sight = [&](int f) {
-    if (!has(asked, f)) {
-      asked = with(asked, f);
-      const Vec3 normal = normal_of(f);
-      const Vec3 spot = center + 0.55 * map.config().resolution_m * normal, way = eye - spot;
-      if (way.squaredNorm() <= range_m * range_m && way.normalized().dot(normal) > kLeastFacing &&
-          map.line_of_sight(eye, spot, false))
-        clear = with(clear, f);
-    }
-    return has(clear, f);
-  };
-  FaceSet seen = 0;
-  for (int f = 0; f < 6; ++f) {
-    if (!has(aim.owed, f)) continue;
-    bool counts = in_sight(f);
-    if (!counts && !has(aim.open, f ^ 1) && towards.dot(normal_of(f)) > kBesideFacing) {
-      for (int other = 0; other < 6 && !counts; ++other)
-        counts = other != f && has(aim.open, other) && in_sight(other);
-    }
-    if (counts) seen = with(seen, f);
-  }
-  return seen;
 }
 
 ViewpointSearch::ViewpointSearch(const VoxelMap& map, RegionCells& cells,
@@ -98,21 +69,9 @@ std::vector<Aim> ViewpointSearch::aims(const Cluster& cluster) const {
   std::vector<Aim> result;
   for (std::size_t i = 0; i < take; ++i) {
     const VoxelKey k = (*cluster.cells)[i * n / take];
-    result.push_back(cluster.surface ? surface_aim(cells_, k) : frontier_aim(map_, cells_, k));
+    result.push_back(cluster.surface ? surface_aim(map_, k) : frontier_aim(map_, cells_, k));
   }
   return result;
-}
-
-/// What it is worth to see this aim from `eye`: 0 when it is not in sight.
-double ViewpointSearch::value_seen(const Aim& aim, const Vec3& eye, bool surface,
-                                   double range_m) const {
-  if (!surface) return sighted(map_, aim, eye, range_m) ? 1 : 0;
-  const FaceSet seen = faces_sighted(map_, aim, eye, range_m);
-  double value = 0;
-  for (int f = 0; f < 6; ++f) {
-    if (has(seen, f)) value = std::max(value, aim.value[static_cast<std::size_t>(f)]);
-  }
-  return value;
 }
 
 std::optional<ViewpointSearch::Candidate> ViewpointSearch::judge(const std::vector<Aim>& aims,
@@ -121,7 +80,7 @@ std::optional<ViewpointSearch::Candidate> ViewpointSearch::judge(const std::vect
   const FieldOfView fov = reliable(surface);
   const double steepest = std::tan(fov.vfov_rad / 2);
   struct Seen {
-    double az, value;
+    double az;
     std::uint32_t aim;
   };
   std::vector<Seen> seen;
@@ -130,36 +89,35 @@ std::optional<ViewpointSearch::Candidate> ViewpointSearch::judge(const std::vect
     const double flat = std::hypot(d.x(), d.y());
     // Cheap first: what no heading brings into view needs no line of sight.
     if (config_.pitch_rad == 0 && std::abs(d.z()) > flat * steepest) continue;
-    const double value = value_seen(aims[i], eye, surface, fov.range_m);
-    if (value > 0) seen.push_back({std::atan2(d.y(), d.x()), value, i});
+    if (sighted(map_, aims[i], eye, fov.range_m)) seen.push_back({std::atan2(d.y(), d.x()), i});
   }
   if (seen.empty()) return std::nullopt;
   // The heading whose field of view holds the most: it may start at any of them.
-  double best_value = 0, best_yaw = 0;
+  std::size_t best_n = 0;
+  double best_yaw = 0;
   for (const Seen& start : seen) {
-    double value = 0, last = 0;
+    std::size_t n = 0;
+    double last = 0;
     for (const Seen& s : seen) {
       double off = s.az - start.az;
       if (off < -1e-12) off += 2 * std::numbers::pi;
       if (off > fov.hfov_rad) continue;
-      value += s.value;
+      ++n;
       last = std::max(last, off);
     }
-    if (value > best_value) {
-      best_value = value;
+    if (n > best_n) {
+      best_n = n;
       best_yaw = wrap_angle(start.az + last / 2);
     }
   }
   Candidate c;
   c.pose = {eye, best_yaw};
-  double all = 0;
-  for (const Aim& a : aims) all += a.most;
   for (const Seen& s : seen) {
-    if (!fov.contains(c.pose, config_.pitch_rad, map_.center(aims[s.aim].cell))) continue;
-    c.sees.push_back(s.aim);
-    c.score += s.value / all;
+    if (fov.contains(c.pose, config_.pitch_rad, map_.center(aims[s.aim].cell)))
+      c.sees.push_back(s.aim);
   }
   if (c.sees.empty()) return std::nullopt;
+  c.score = static_cast<double>(c.sees.size()) / static_cast<double>(aims.size());
   return c;
 }
 
@@ -168,12 +126,11 @@ double ViewpointSearch::area_in_view(const Pose& pose, bool surface) const {
   const double cell_m2 = map_.config().resolution_m * map_.config().resolution_m;
   // Every third cell stands for three.
   constexpr int kStride = 3;
-  int n = 0;
-  double seen = 0;
+  int n = 0, seen = 0;
   cells_.near(surface ? cells_.owed() : cells_.frontier(), pose.p, fov.range_m, [&](VoxelKey k) {
     if (n++ % kStride != 0 || !fov.contains(pose, config_.pitch_rad, map_.center(k))) return;
-    seen += value_seen(surface ? surface_aim(cells_, k) : frontier_aim(map_, cells_, k), pose.p,
-                       surface, fov.range_m);
+    seen += sighted(map_, surface ? surface_aim(map_, k) : frontier_aim(map_, cells_, k), pose.p,
+                    fov.range_m);
   });
   return seen * kStride * cell_m2;
 }

@@ -90,24 +90,6 @@ TEST_CASE("what was seen but once beside something known is asked for after a wh
   }
 }
 
-TEST_CASE("an area that was given up is asked for once more") {
-  const mission::Mission m = robot::small_mission();
-  Knowledge k(m, RobotId{1}, 1);
-  AreaFitter fitter;
-  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
-  for (std::size_t areas = 1; areas <= 2; ++areas) {
-    REQUIRE(k.areas().size() == areas);
-    mission::Inspection given_up;
-    given_up.area = k.areas().rbegin()->first;
-    given_up.area_position = {5, 0, 2};
-    given_up.parts = 0;
-    k.publish(store::RecordClass::kInspection, robot::result_key(given_up.area), given_up);
-    fitter.review(k, true);
-  }
-  CHECK_FALSE(fitter.in_doubt());
-  CHECK(k.areas().size() == 2);
-}
-
 TEST_CASE("two sightings near each other in one look are two features") {
   const mission::Mission m = robot::small_mission();
   Knowledge k(m, RobotId{1}, 1);

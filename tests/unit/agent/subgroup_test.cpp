@@ -84,24 +84,6 @@ TEST_CASE("two inspectors in contact share the areas") {
   CHECK(g.given_to(RobotId{3}) > 1);
 }
 
-TEST_CASE("what one inspector gave up is another one's") {
-  Group g;
-  g.find({6, 0, 2});
-  mission::Inspection given_up;
-  given_up.area = g.explorer.areas().begin()->first;
-  given_up.area_position = {6, 0, 2};
-  given_up.parts = 0;
-  g.first.publish(store::RecordClass::kInspection, robot::result_key(given_up.area), given_up);
-  robot::pass(g.first, g.explorer, store::RecordClass::kInspection);
-  g.find({6, 0, 2});
-  robot::hear(g.explorer, g.first);
-  g.think();
-  CHECK(g.given_to(RobotId{2}) == 0);
-  robot::hear(g.explorer, g.second);
-  g.think();
-  CHECK(g.given_to(RobotId{3}) == 1);
-}
-
 TEST_CASE("what was given but never heard is open again once contact is gone") {
   Group g;
   for (int i = 0; i < 3; ++i) g.find({6, 1.0 * i, 2});

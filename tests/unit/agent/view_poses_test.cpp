@@ -82,20 +82,6 @@ TEST_CASE("what cannot be seen from anywhere has no pose, and a wall in between 
   CHECK_FALSE(in_sight(p.inspector, area_at({4.0, 0, 2}, {3.7, 0, 2}), {{1, 0, 2}, 0}));
 }
 
-TEST_CASE("after many looks in vain even what the map hides is looked at") {
-  Place p([](const Vec3& q) { return wall(q) || (q.x() > 3.0 && q.x() < 3.4); });
-  const mission::Area a = area_at({4.0, 0, 2}, {3.7, 0, 2});
-  std::vector<VainLook> in_vain;
-  REQUIRE_FALSE(view_pose(p.inspector, a, in_vain, 10));
-  // All from about where it was sighted.
-  for (int i = 0; i < 30; ++i)
-    in_vain.push_back({{Vec3(-1, 0.001 * i, 0).normalized(), 0.3 + 0.001 * i, 1}, true});
-  const auto v = view_pose(p.inspector, a, in_vain, 30);
-  REQUIRE(v);
-  CHECK(v->seen);  // not given up on the way for what the map says
-  CHECK(v->probability < 0.1);
-}
-
 TEST_CASE("the spot asked for leaves out a feature that is known already, when it can") {
   Place p(wall);
   const auto find = [&](std::uint64_t key, const Vec3& at) {

@@ -2,7 +2,6 @@
 
 #include "common/map/region_cells.h"
 #include "common/map/targets.h"
-#include "common/map/visibility.h"
 #include "tests/unit/map/toy_world.h"
 
 using namespace muster;
@@ -121,85 +120,13 @@ TEST_CASE(
     return bit(marks_of(cells.owed(), cells, block_of(k)), local_index(k));
   };
   REQUIRE(is_owed(wall));
-  cells.count_look(wall, cells.open_faces(wall));
+  cells.count_look(wall);
   cells.settle();
   CHECK(is_owed(wall));
-  cells.count_look(wall, cells.open_faces(wall));
+  cells.count_look(wall);
   cells.settle();
   CHECK_FALSE(is_owed(wall));
   CHECK_FALSE(is_owed({wall.x - 1, wall.y, wall.z}));
-}
-
-namespace {
-
-/// Lays a sheet one voxel thick into free space: at height(x, y), in voxels.
-void lay_sheet(VoxelMap& m, auto height) {
-  std::vector<Voxel> voxels(kBlockVoxels, Voxel::kFree);
-  for (int x = 0; x < kBlockSide; ++x) {
-    for (int y = 0; y < kBlockSide; ++y) {
-      const VoxelKey k{x, y, height(x, y)};
-      voxels[static_cast<std::size_t>(local_index(k))] = Voxel::kOccupied;
-    }
-  }
-  m.merge(RobotId{3}, {0, 0, 0}, encode_block(voxels));
-}
-const Box kSheetBox = Box::from_corners({0, 0, 0}, {3.2, 3.2, 3.2});
-
-}  // namespace
-
-TEST_CASE("a thin sheet is owed looks on each of its sides") {
-  VoxelMap m(toy::config());
-  lay_sheet(m, [](int, int) { return 9; });
-  RegionCells cells(m, kSheetBox, 2, 2.5);
-  cells.update();
-  const VoxelKey k{7, 7, 9};
-  constexpr FaceSet kUp = 1u << 4, kDown = 1u << 5;
-  REQUIRE(cells.owed_faces(k) == (kUp | kDown));
-  CHECK(cells.hidden(k) == Approx(2));
-  for (int look = 0; look < 2; ++look) cells.count_look(k, kUp);
-  cells.settle();
-  CHECK(cells.owed_faces(k) == kDown);
-  CHECK(cells.hidden(k) == Approx(1));
-
-  // What is seen from above is not seen from below.
-  const Aim aim = surface_aim(cells, k);
-  CHECK(faces_sighted(m, aim, m.center({2, 7, 13}), 4.5) == 0);
-  CHECK(faces_sighted(m, aim, m.center({2, 7, 5}), 4.5) == kDown);
-}
-
-TEST_CASE("a slope is seen with whichever of its faces is in sight") {
-  VoxelMap m(toy::config());
-  lay_sheet(m, [](int x, int) { return 12 - x / 2; });
-  RegionCells cells(m, kSheetBox, 2, 2.5);
-  cells.update();
-  // The edge of a step: open above and ahead; what looks from behind and above sees the slope.
-  const VoxelKey k{7, 7, 9};
-  REQUIRE((cells.owed_faces(k) & (1u << 0 | 1u << 4)) == (1u << 0 | 1u << 4));
-  const FaceSet seen = faces_sighted(m, surface_aim(cells, k), m.center({5, 7, 14}), 4.5);
-  CHECK((seen & 1u << 0) != 0);
-  CHECK((seen & 1u << 4) != 0);
-}
-
-TEST_CASE("level surfaces that nobody can inspect are not owed looks, slopes are") {
-  const LeastTilt least{0.07, 0.07};
-  const auto owed_above = [&](auto height) {
-    VoxelMap m(toy::config());
-    lay_sheet(m, height);
-    RegionCells cells(m, kSheetBox, 2, 2.5, least);
-    cells.update();
-    int n = 0;
-    for (int x = 4; x < 12; ++x) {
-      for (int y = 4; y < 12; ++y) {
-        for (int z = 5; z < 16; ++z) n += (cells.owed_faces({x, y, z}) & 1u << 4) != 0;
-      }
-    }
-    return n;
-  };
-  CHECK(owed_above([](int, int) { return 9; }) == 0);
-  // Noise moves single voxels.
-  CHECK(owed_above([](int x, int y) { return 9 + (x * 7 + y * 11) % 13 / 12; }) == 0);
-  CHECK(owed_above([](int x, int) { return 12 - x / 4; }) == 64);           // 14°
-  CHECK(owed_above([](int x, int) { return 12 - std::abs(x - 8); }) > 50);  // a ridge
 }
 
 TEST_CASE("a frontier looked at in vain is given up") {

@@ -1,6 +1,5 @@
 #include "common/map/targets.h"
 
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <iostream>
@@ -156,26 +155,6 @@ TEST_CASE("a viewpoint sees its cluster from where the body may be") {
     }
   }
   CHECK(frontier);
-}
-
-TEST_CASE("surfaces are left when all of them together hide little enough") {
-  VoxelMap m(site_config());
-  const Pose pose{{5, -5, 1.5}, 2.3};
-  toy::see(m, kSite, pose);
-  Targets targets(m, kBox, target_config(3));
-  const auto anywhere = [](const Vec3&) { return true; };
-  targets.update(anywhere);
-  const double hidden_m2 = targets.hidden_m2();
-  REQUIRE(hidden_m2 > 0.5);
-  // What a look shows is hidden no more, but for the tenth that it misses.
-  targets.looked(pose, 0);
-  targets.update(anywhere);
-  CHECK(targets.shown_m2() > 0.5);
-  CHECK(targets.hidden_m2() < hidden_m2);
-  targets.enough(hidden_m2);
-  targets.update(anywhere);
-  CHECK(targets.owed_surface_m2() == 0);
-  CHECK(std::ranges::none_of(targets.viewpoints(), [](const Viewpoint& v) { return v.surface; }));
 }
 
 TEST_CASE("the same flight gives the same viewpoints") {
