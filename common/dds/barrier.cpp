@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <stdexcept>
+#include <thread>
 
 namespace muster::dds {
 
@@ -70,6 +71,13 @@ void WriterSet::write(const mission::Message& message) const {
 bool WriterSet::matched(int readers) const {
   return std::all_of(writers_.begin(), writers_.end(),
                      [&](const Entry& e) { return e.writer->matched() >= readers; });
+}
+
+void WriterSet::abandon() {
+  std::vector<std::jthread> going;
+  for (Entry& entry : writers_) going.emplace_back([&entry] { entry.writer.reset(); });
+  going.clear();
+  writers_.clear();
 }
 
 void ReaderSet::add(Participant& participant, mission::MessageClass cls,

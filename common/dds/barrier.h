@@ -94,6 +94,10 @@ class WriterSet {
   void write(const mission::Message& message) const;
   /// Every writer has at least `readers`.
   bool matched(int readers) const;
+  /// Whoever listened is dead. A writer goes only after a second when something is not acknowledged
+  /// (Cyclone's linger duration), so they go side by side: one after the other would keep everybody
+  /// else waiting for longer than silence may last.
+  void abandon();
 
  private:
   struct Entry {

@@ -88,7 +88,10 @@ void RadioLockstep::apply_notices() {
     if (lives) {
       open_way(robot);
     } else {
-      down_.erase(robot);  // what is still owed to it must not hold anybody up
+      const auto way = down_.find(robot);
+      if (way == down_.end()) continue;
+      way->second.abandon();  // what is still owed to it must not hold anybody up
+      down_.erase(way);
     }
   }
 }

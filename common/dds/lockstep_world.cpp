@@ -122,6 +122,7 @@ void WorldLockstep::take(Clock::time_point deadline) {
 
 void WorldLockstep::drop(RobotId robot) {
   if (alive_.erase(robot) == 0) return;
+  samples_.at(robot).abandon();
   samples_.erase(robot);
   bus_counts_.erase(robot);
   air_counts_.erase(robot);
