@@ -14,7 +14,7 @@ void check_of(sqlite3* db, int rc) {
 
 }  // namespace
 
-void Database::Close::operator()(sqlite3* db) const { sqlite3_close(db); }
+void Database::Close::operator()(sqlite3* db) const { sqlite3_close_v2(db); }
 void Database::Statement::Finalize::operator()(sqlite3_stmt* s) const { sqlite3_finalize(s); }
 
 Database::Database(const std::string& path) {

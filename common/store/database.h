@@ -27,8 +27,8 @@ class Database {
 
   void execute(const char* sql);
 
-  /// A prepared statement. Values are given in order for its `?`s; then `step` goes to the next row
-  /// and says whether there is one.
+  /// A prepared statement; keeps the file open until it is gone, too. Values are given in order for
+  /// its `?`s; then `step` goes to the next row and says whether there is one.
   class Statement {
    public:
     template <class... Values>
