@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
-#include <fstream>
-
 #include "common/core/error.h"
+#include "deploy/muster/write_file.h"
 
 namespace muster::command {
 namespace {
@@ -51,14 +49,7 @@ void add_cost(json& summary, const Cost& cost, std::size_t robots) {
 }
 
 void write_summary(const std::string& dir, const json& summary) {
-  const std::string path = dir + "/summary.json";
-  const std::string next = path + ".new";
-  {
-    std::ofstream file(next);
-    file << summary.dump(2) << '\n';
-    if (!file.flush()) throw Failure(next + ": cannot be written");
-  }
-  if (std::rename(next.c_str(), path.c_str()) != 0) throw Failure(path + ": cannot be written");
+  write_file(dir + "/summary.json", summary.dump(2) + "\n");
 }
 
 std::string summary_table(const json& s) {
