@@ -37,7 +37,8 @@ void AirLog::dropped(std::size_t from, std::size_t to, std::size_t bytes, Drop r
   Cell& c = cell(from, to);
   ++c.drops.at(static_cast<std::size_t>(reason));
   c.dropped_bytes += bytes;
-  const bool silence = reason == Drop::kRange || reason == Drop::kDead || reason == Drop::kWall;
+  const bool silence = reason == Drop::kRange || reason == Drop::kDead || reason == Drop::kWall ||
+                       reason == Drop::kPaused;
   c.remarkable = c.remarkable || !silence;
 }
 

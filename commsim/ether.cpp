@@ -9,8 +9,8 @@
 namespace muster::commsim {
 namespace {
 
-constexpr std::array<const char*, kDrops> kDropNames{"none",     "range", "wall",   "dead",
-                                                     "scripted", "loss",  "airtime"};
+constexpr std::array<const char*, kDrops> kDropNames{"none", "range",   "wall", "dead", "scripted",
+                                                     "loss", "airtime", "jam",  "cut",  "paused"};
 
 Drop physical(const radio::Reception& reception) {
   switch (reception.link) {
@@ -49,10 +49,20 @@ const radio::Reception& Ether::reception(std::size_t from, std::size_t to,
   return from < to ? pair.at_b : pair.at_a;
 }
 
+/// Why nothing of what `from` sends can arrive at `to`, both alive. What nature does not take,
+/// faults may.
+Drop Ether::obstacle(std::size_t from, std::size_t to, const std::vector<Place>& places) {
+  const Drop nature = physical(reception(from, to, places));
+  if (nature != Drop::kNone) return nature;
+  if (places[from].jammed || places[to].jammed) return Drop::kJam;
+  if (interference_ && interference_->cuts(places[from].robot, places[to].robot)) return Drop::kCut;
+  return Drop::kNone;
+}
+
 std::vector<std::size_t> Ether::ears(std::size_t from, const std::vector<Place>& places) {
   std::vector<std::size_t> out;
   for (std::size_t to = 0; to < robots_; ++to) {
-    if (to != from && places[to].alive() && reception(from, to, places).link == radio::Link::kUp) {
+    if (to != from && places[to].alive() && obstacle(from, to, places) == Drop::kNone) {
       out.push_back(to);
     }
   }
@@ -63,9 +73,8 @@ std::vector<std::size_t> Ether::ears(std::size_t from, const std::vector<Place>&
 void Ether::out_of_reach(std::size_t sender, const std::vector<Place>& places,
                          std::vector<Verdict>& verdicts) {
   for (std::size_t to = 0; to < robots_; ++to) {
-    if (to != sender && places[to].alive()) {
-      verdicts[to].drop = physical(reception(sender, to, places));
-    }
+    if (to == sender) continue;
+    verdicts[to].drop = places[to].alive() ? obstacle(sender, to, places) : places[to].absence();
   }
 }
 
@@ -91,6 +100,7 @@ void Ether::broadcast(const Holder& from, const Parcel& parcel, const std::vecto
                       std::vector<bool>& has_it, std::vector<Verdict>& verdicts,
                       std::vector<Holder>& next) {
   const RobotId sender = places[from.robot].robot;
+  const double least_loss = interference_ ? interference_->loss() : 0;
   const std::vector<std::size_t> hearers = ears(from.robot, places);
   std::vector<RobotId> around;
   around.reserve(hearers.size());
@@ -102,7 +112,7 @@ void Ether::broadcast(const Holder& from, const Parcel& parcel, const std::vecto
     if (!sent) {
       verdict.drop = Drop::kAirtime;
     } else if (channel_.is_lost(reception(from.robot, to, places), sender, parcel.n,
-                                places[to].robot, parcel.bytes)) {
+                                places[to].robot, parcel.bytes, least_loss)) {
       verdict.drop = Drop::kLoss;
     } else {
       verdict = {Drop::kNone, *sent + Duration::from_s(channel_.config().latency_ms * 1e-3)};

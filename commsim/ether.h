@@ -8,12 +8,24 @@
 #include "common/geometry/pose.h"
 #include "common/radio/airtime.h"
 #include "common/radio/channel.h"
+#include "commsim/interference.h"
 
 namespace muster::commsim {
 
 /// Why a message was not heard.
-enum class Drop : std::uint8_t { kNone, kRange, kWall, kDead, kScripted, kLoss, kAirtime };
-inline constexpr std::size_t kDrops = 7;
+enum class Drop : std::uint8_t {
+  kNone,
+  kRange,
+  kWall,
+  kDead,
+  kScripted,
+  kLoss,
+  kAirtime,
+  kJam,
+  kCut,
+  kPaused,
+};
+inline constexpr std::size_t kDrops = 10;
 const char* to_string(Drop reason);
 
 /// A robot as the radio sees it.
@@ -21,7 +33,10 @@ struct Place {
   RobotId robot;
   Vec3 p = Vec3::Zero();
   bool process_alive = true, vehicle_alive = true;
-  bool alive() const { return process_alive && vehicle_alive; }
+  bool paused = false, jammed = false;
+  bool alive() const { return process_alive && vehicle_alive && !paused; }
+  /// Why it hears nothing when it is not alive.
+  Drop absence() const { return paused ? Drop::kPaused : Drop::kDead; }
 };
 
 /// What became of a message at one receiver.
@@ -45,6 +60,9 @@ class Ether {
   /// One verdict per robot, the sender's own without meaning.
   std::vector<Verdict> send(std::size_t sender, std::uint64_t n, std::size_t bytes,
                             const std::vector<Place>& places, SimTime now);
+  /// What is cut and lost from now on besides what nature takes; jams and pauses are in places.
+  /// Outlives this.
+  void disturb(const Interference& interference) { interference_ = &interference; }
 
  private:
   /// A pair's link, good while neither moves.
@@ -64,6 +82,7 @@ class Ether {
     std::uint64_t n;
     std::size_t bytes;
   };
+  Drop obstacle(std::size_t from, std::size_t to, const std::vector<Place>& places);
   std::vector<std::size_t> ears(std::size_t from, const std::vector<Place>& places);
   void out_of_reach(std::size_t sender, const std::vector<Place>& places,
                     std::vector<Verdict>& verdicts);
@@ -76,6 +95,7 @@ class Ether {
   std::uint32_t hops_;
   std::size_t robots_;
   std::vector<Pair> pairs_;
+  const Interference* interference_ = nullptr;
 };
 
 }  // namespace muster::commsim

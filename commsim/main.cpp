@@ -31,7 +31,8 @@ void listen(LineChannel& control, dds::RadioLockstep& radio) {
 int run(const world::HubOptions& options) {
   end_with_launcher();
   log::open(options.out + "/logs", "commsim");
-  const mission::Mission mission = mission::Mission::load(options.mission_file, options.set);
+  const mission::Mission mission =
+      mission::Mission::load(options.mission_file, options.set, options.faults);
   dds::RadioLockstep radio(
       dds::BarrierConfig::from(dds::vendor_from(options.vendor), options.domain),
       robots_of(mission), mission.station());

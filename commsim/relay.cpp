@@ -13,6 +13,7 @@
 #include "common/dds/order.h"
 #include "commsim/air_log.h"
 #include "commsim/contacts.h"
+#include "commsim/interference.h"
 #include "commsim/walls.h"
 
 namespace muster::commsim {
@@ -44,16 +45,16 @@ std::optional<mission::Envelope> checked_envelope(RobotId sender, const mission:
 
 struct Relay::Impl {
   Impl(const mission::Mission& mission, const radio::Obstacles& obstacles)
-      : main(mission.radio, obstacles, mission.seed, 1, mission.fleet.size()) {
+      : interference(mission.script),
+        main(mission.radio, obstacles, mission.seed, 1, mission.fleet.size()) {
     for (const mission::RobotConfig& robot : mission.fleet) places.push_back({.robot = robot.id});
     std::ranges::sort(places, {}, &Place::robot);
     if (mission.radio.mesh) {
       mesh.emplace(mission.radio.mesh->channel, obstacles, hash_text(kMeshSalt, mission.seed),
                    mission.radio.mesh->hops, places.size());
     }
-    for (const mission::ScriptedEvent& event : mission.script) {
-      if (event.verb == "mute-beacons") mutes.push_back(event);
-    }
+    main.disturb(interference);
+    if (mesh) mesh->disturb(interference);
   }
 
   /// A message on its way out, and what became of it at every robot.
@@ -82,10 +83,12 @@ struct Relay::Impl {
     return it != places.end() && it->robot == robot ? &*it : nullptr;
   }
 
-  bool muted(RobotId robot, SimTime now) const {
-    return std::ranges::any_of(mutes, [&](const mission::ScriptedEvent& e) {
-      return e.at <= now && (e.robot == robot || e.robot == kNoRobot);
-    });
+  void disturb(SimTime now) {
+    interference.advance(now);
+    for (Place& place : places) {
+      place.paused = interference.pauses(place.robot);
+      place.jammed = interference.jams(place.p);
+    }
   }
 
   Sender read(RobotId robot, const std::vector<mission::Message>& messages) {
@@ -139,7 +142,7 @@ struct Relay::Impl {
 
   void account(const Outgoing& m, std::uint64_t k, SimTime now, Outcome& out, Hasher& trace) {
     const std::size_t size = m.message->cdr.size();
-    const bool scripted = m.beacon() && muted(m.envelope.src, now);
+    const bool scripted = m.beacon() && interference.mutes(m.envelope.src);
     sent.add(size);
     by_topic[m.envelope.cls].add(size);
     trace.add(m.envelope.src.value).add(m.envelope.n).add(hash_bytes(m.message->cdr));
@@ -182,8 +185,9 @@ struct Relay::Impl {
         if (places[l.to].alive()) {
           deliver(l.from, l.to, l.message, now, out);
         } else {
-          ++dropped[static_cast<std::size_t>(Drop::kDead)];
-          if (log) log->dropped(l.from, l.to, l.message.cdr.size(), Drop::kDead);
+          const Drop reason = places[l.to].absence();
+          ++dropped[static_cast<std::size_t>(reason)];
+          if (log) log->dropped(l.from, l.to, l.message.cdr.size(), reason);
         }
       }
       late.erase(late.begin());
@@ -191,10 +195,10 @@ struct Relay::Impl {
   }
 
   std::vector<Place> places;  // ascending
+  Interference interference;
   Ether main;
   std::optional<Ether> mesh;
   std::map<std::uint64_t, std::vector<Late>> late;  // by the tick whose outcome they belong to
-  std::vector<mission::ScriptedEvent> mutes;
   Contacts contacts;
   std::optional<AirLog> log;
   Count sent, delivered;
@@ -227,6 +231,7 @@ Relay::Outcome Relay::step(const mission::Truth& truth,
       place->vehicle_alive = state.state != mission::VehicleState::kDead;
     }
   }
+  impl_->disturb(truth.time);
   if (impl_->log) impl_->log->advance(truth.time);
   std::vector<Impl::Sender> senders;
   senders.reserve(sent.size());

@@ -202,17 +202,21 @@ void WorldLockstep::keep_saying() {
   }
 }
 
-void WorldLockstep::announce(std::uint64_t k) {
+void WorldLockstep::announce(std::uint64_t k, const std::set<RobotId>& paused) {
+  paused_ = paused;
   tick_.k = k;
   tick_.time = time_of_tick(k);
   tick_.phase = mission::TickPhase::kRun;
-  tick_.alive.assign(alive_.begin(), alive_.end());
+  tick_.alive.clear();
   tick_.expect.clear();
-  for (RobotId robot : alive_)
+  for (RobotId robot : alive_) {
+    if (paused_.contains(robot)) continue;
+    tick_.alive.push_back(robot);
     tick_.expect.push_back(
         {.process = robot, .bus = bus_counts_[robot], .air = air_counts_[robot]});
-  bus_counts_.clear();
-  air_counts_.clear();
+    bus_counts_.erase(robot);
+    air_counts_.erase(robot);
+  }
   // Answers to the tick before may have been said again since they were taken.
   dones_.clear();
   radio_done_.reset();
@@ -221,6 +225,7 @@ void WorldLockstep::announce(std::uint64_t k) {
 
 WorldLockstep::Answers WorldLockstep::await_robots() {
   const auto has = [&](RobotId robot) {
+    if (paused_.contains(robot)) return true;
     const auto done = dones_.find(robot);
     if (done == dones_.end()) return false;
     const auto commands = commands_in_.find(robot);
@@ -266,7 +271,7 @@ mission::Done WorldLockstep::await_radio() {
                    : fmt::format("tick {}: no answer from the radio", tick_.k);
       });
   for (const mission::Expect& e : radio_done_->deliveries) {
-    if (alive_.contains(e.process)) air_counts_[e.process] = e.air;
+    if (alive_.contains(e.process)) air_counts_[e.process] += e.air;
   }
   return *std::exchange(radio_done_, std::nullopt);
 }

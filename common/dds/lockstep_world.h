@@ -36,8 +36,9 @@ class WorldLockstep {
   /// Bus samples of a tick, as soon as they are known; `announce` says how many they were.
   void write_samples(RobotId robot, const std::vector<mission::Message>& samples);
   void write_truth(mission::Truth truth);
-  /// Tick k: everyone may go.
-  void announce(std::uint64_t k);
+  /// Tick k: everyone may go, but who is `paused`: it is not waited for, and what is on its way to
+  /// it waits for it.
+  void announce(std::uint64_t k, const std::set<RobotId>& paused = {});
 
   struct Answers {
     std::map<RobotId, mission::Done> robots;
@@ -88,7 +89,7 @@ class WorldLockstep {
   ReaderSet done_, commands_, ear_;
   std::map<RobotId, WriterSet> samples_;
 
-  std::set<RobotId> alive_, ready_;
+  std::set<RobotId> alive_, ready_, paused_;
   bool radio_ready_ = false;
   std::uint64_t busy_heard_ = 0;
   mission::Tick tick_;

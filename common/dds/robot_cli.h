@@ -36,6 +36,8 @@ inline int robot_main(int argc, char** argv, const char* name, const char* what,
     app.add_option("--set", flags.set, "KEY=VALUE: overrides a key of the mission file; repeatable")
         ->expected(1)
         ->take_all();
+    app.add_option("--faults", flags.faults,
+                   "file with a script of faults, besides the mission's; only in simulation");
     app.add_option("--speed", flags.speed, "with --field and a simulated world: times real time");
     app.add_flag("--field", flags.field,
                  "own clock, no barrier: real drivers on the bus, or muster run --link direct");
@@ -53,6 +55,7 @@ inline int robot_main(int argc, char** argv, const char* name, const char* what,
       if (*interface) options.network_interface = flags.network_interface;
       if (*peers) options.peers = flags.peers;
       options.set = flags.set;
+      options.faults = flags.faults;
       options.speed = flags.speed;
       options.epoch = flags.epoch;
     }

@@ -65,11 +65,18 @@ std::string run_in_field(const RobotShellOptions& options, mission::Process& pro
   return "asked to stop";
 }
 
-std::string run_in_barrier(const RobotShellOptions& options, mission::Process& process,
-                           bool station) {
-  RobotLockstep barrier(BarrierConfig::from(vendor_from(options.vendor), *options.domain),
-                        process.id(), station);
-  return barrier.run([&](const mission::StepInput& input) { return process.step(input); }, g_stop);
+std::string run_in_barrier(const RobotShellOptions& options, const mission::Mission& mission,
+                           mission::Process& process, store::Journal* journal) {
+  const RobotId self = process.id();
+  const bool station = mission.robot(self).role == mission::Role::kStation;
+  RobotLockstep barrier(BarrierConfig::from(vendor_from(options.vendor), *options.domain), self,
+                        station);
+  const auto step = [&](const mission::StepInput& input) {
+    if (journal)
+      journal->set_disk_full(mission::in_force(mission.script, "full-disk", self, input.now));
+    return process.step(input);
+  };
+  return barrier.run(step, g_stop);
 }
 
 }  // namespace
@@ -111,7 +118,8 @@ std::string RobotShellOptions::to_yaml() const {
 int run_robot(const RobotShellOptions& options, bool station, const MakeProcess& make_process) {
   end_with_launcher();
   options.validate();
-  const mission::Mission mission = mission::Mission::load(options.mission_file, options.set);
+  const mission::Mission mission =
+      mission::Mission::load(options.mission_file, options.set, options.faults);
   const RobotId self{*options.id};
   if (!mission.has(self))
     throw BadInput(fmt::format("--id: the mission has no robot {}", self.value));
@@ -128,12 +136,13 @@ int run_robot(const RobotShellOptions& options, bool station, const MakeProcess&
   std::unique_ptr<store::Journal> journal = open_journal(options, self);
   const std::uint64_t after = journal ? journal->epoch() + 1 : 0;
   const std::unique_ptr<mission::Process> process =
-      make_process(mission, self, std::max(epoch_of(options), after));
+      make_process(mission.without_script(), self, std::max(epoch_of(options), after));
   process->keep_in(options.out);
+  store::Journal* const kept = journal.get();  // the process owns it from here
   if (journal) process->keep(std::move(journal));
   try {
     const std::string reason = options.field ? run_in_field(options, *process, station)
-                                             : run_in_barrier(options, *process, station);
+                                             : run_in_barrier(options, mission, *process, kept);
     log::info("ended: {}", reason);
   } catch (const std::exception& e) {
     log::error("{}", e.what());

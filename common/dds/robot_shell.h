@@ -16,6 +16,7 @@ namespace muster::dds {
 struct RobotShellOptions {
   std::string mission_file;
   std::vector<std::string> set;
+  std::string faults;  ///< a file with more of a script; empty: none
   std::optional<std::uint32_t> id;
   /// Larger at every start of this robot; default: 1 in lock-step, the system clock in ms in the
   /// field.

@@ -148,13 +148,6 @@ void read_fleet(YamlMap& map, const std::string& folder, Mission& m) {
   }
 }
 
-RobotId read_robot(YamlMap& map, const std::string& key, const Mission& m) {
-  std::uint32_t value = 0;
-  map.require(key, value);
-  if (!m.has(RobotId{value})) map.fail(key, "there is no robot " + std::to_string(value));
-  return RobotId{value};
-}
-
 void read_standing(YamlMap map, Mission& m) {
   StandingConfig& c = m.standing;
   map.require("place", c.place);
@@ -210,26 +203,6 @@ ChargingStation read_charging(YamlMap map, const Mission& m) {
   read_positive(map, "reach_m", c.reach_m);
   map.finish();
   return c;
-}
-
-ScriptedEvent read_event(YamlMap map, const Mission& m) {
-  static constexpr const char* kVerbs[] = {"kill",   "revive", "hold",  "resume",
-                                           "return", "land",   "abort", "mute-beacons"};
-  ScriptedEvent e;
-  double at_s = 0;
-  if (!map.has("at_s")) map.fail("", "'at_s' is missing");
-  read_at_least(map, "at_s", at_s, 0);
-  e.at = SimTime::from_s(at_s);
-  map.require("verb", e.verb);
-  if (std::find(std::begin(kVerbs), std::end(kVerbs), e.verb) == std::end(kVerbs)) {
-    map.fail("verb",
-             "'" + e.verb +
-                 "' is not one of kill, revive, hold, resume, return, land, abort, mute-beacons");
-  }
-  const bool names_one = e.verb == "kill" || e.verb == "revive";
-  if (names_one || map.has("robot")) e.robot = read_robot(map, "robot", m);
-  map.finish();
-  return e;
 }
 
 void read_boxes(YamlMap& map, Mission& m) {
@@ -293,7 +266,7 @@ Mission read_mission(YamlMap map, const std::string& path) {
   read_standing(map.child("standing"), m);
   read_radio(map.child("radio"), m);
   for (YamlMap& item : map.list("charging")) m.charging.push_back(read_charging(item, m));
-  for (YamlMap& item : map.list("script")) m.script.push_back(read_event(item, m));
+  m.script = read_script(map, m);
   map.finish();
   return m;
 }
@@ -318,6 +291,19 @@ Mission Mission::load(const std::string& path, const std::vector<std::string>& o
     }
   }
   return read_mission(YamlMap(root, path, ""), path);
+}
+
+Mission Mission::load(const std::string& path, const std::vector<std::string>& overrides,
+                      const std::string& faults_file) {
+  Mission mission = load(path, overrides);
+  if (!faults_file.empty()) add_faults(mission, faults_file);
+  return mission;
+}
+
+Mission Mission::without_script() const {
+  Mission mission = *this;
+  mission.script.clear();
+  return mission;
 }
 
 }  // namespace muster::mission

@@ -11,6 +11,7 @@
 #include "common/geometry/box.h"
 #include "common/geometry/camera.h"
 #include "common/mission/messages.h"
+#include "common/mission/script.h"
 #include "common/radio/config.h"
 
 namespace muster::mission {
@@ -76,14 +77,6 @@ struct ChargingStation {
   double reach_m = 1;
 };
 
-/// Something scripted: `at_s`, a verb ("kill", "revive", "hold", "resume", "return", "land",
-/// "abort", "mute-beacons") and whom.
-struct ScriptedEvent {
-  SimTime at;
-  std::string verb;
-  RobotId robot = kNoRobot;  ///< kNoRobot: everyone
-};
-
 /// Where and when a pair that lost each other can always find each other: `place` at times t0 +
 /// j·period, for `window`.
 struct StandingConfig {
@@ -126,6 +119,11 @@ struct Mission {
   static Mission load(const std::string& path);
   /// Applies one `--set a.b=value`. Throws BadInput.
   static Mission load(const std::string& path, const std::vector<std::string>& overrides);
+  /// And adds the script of `faults_file`, unless that is empty.
+  static Mission load(const std::string& path, const std::vector<std::string>& overrides,
+                      const std::string& faults_file);
+  /// What a robot may be told: all but what is going to happen to it.
+  Mission without_script() const;
   std::string to_yaml() const;  ///< the effective mission: --print-config
 
   const RobotConfig& robot(RobotId id) const;  // aborts when unknown

@@ -110,12 +110,7 @@ void write_lists(std::ostream& out, const Mission& m) {
         << ", slots: " << c.slots << ", rate_per_s: " << num(c.rate_per_s)
         << ", reach_m: " << num(c.reach_m) << "}\n";
   }
-  if (!m.script.empty()) out << "script:\n";
-  for (const ScriptedEvent& e : m.script) {
-    out << "  - {at_s: " << num(e.at.s()) << ", verb: " << e.verb;
-    if (e.robot != kNoRobot) out << ", robot: " << e.robot.value;
-    out << "}\n";
-  }
+  write_script(out, m.script);
 }
 
 }  // namespace

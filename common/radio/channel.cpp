@@ -113,8 +113,8 @@ double Channel::asymmetry_db(RobotId from, RobotId to) const {
 }
 
 bool Channel::is_lost(const Reception& reception, RobotId from, std::uint64_t n, RobotId to,
-                      std::size_t bytes) const {
-  const double p = message_loss(config_, reception.frame_loss, bytes);
+                      std::size_t bytes, double least_loss) const {
+  const double p = std::max(least_loss, message_loss(config_, reception.frame_loss, bytes));
   if (p <= 0) return false;
   const std::uint64_t message = Hasher(seed_).add(n).add(to.value).value();
   return Random(message, from, "radio loss").chance(p);

@@ -69,9 +69,10 @@ class Channel {
   Reception hear(const Path& path, RobotId from, RobotId to) const;
   Reception hear(RobotId from, const Vec3& place_from, RobotId to, const Vec3& place_to) const;
 
-  /// Whether message `n` of `from` is lost on its way to `to`, on a link that is up.
+  /// Whether message `n` of `from` is lost on its way to `to`, on a link that is up; with
+  /// `least_loss` or more as its probability.
   bool is_lost(const Reception& reception, RobotId from, std::uint64_t n, RobotId to,
-               std::size_t bytes) const;
+               std::size_t bytes, double least_loss = 0) const;
 
  private:
   Path disc(const Vec3& from, const Vec3& to) const;

@@ -40,6 +40,7 @@ constexpr double kMoverMemory_s = 2.0;
 constexpr Duration kReaction{300'000};
 constexpr double kHeadway_m = 0.1;  // what is left between us when both have braked
 constexpr double kFollows_m = 4.0, kMoves_mps = 0.3;
+constexpr Duration kLeftAlone{1'000'000};  // a vehicle stops when its process is silent so long
 constexpr Duration kForesight{2'500'000};
 constexpr double kAnnounceStep_s = 0.5, kAnnounceSpan_s = 6.0;
 constexpr double kSettled_m = 0.12, kSettled_rad = 0.08;
@@ -180,9 +181,19 @@ void Executive::make_room(Knowledge& k, Commands& commands) {
   }
 }
 
+/// Our process got no time, and the vehicle, left alone, has stopped and may be landing: what was
+/// being flown is over.
+void Executive::forget_flight(const Knowledge& k) {
+  trajectory_ = {};
+  plan_due_ = intent_.kind != Intent::Kind::kHover;
+  landing_ = landing_ && k.odometry().state == mission::VehicleState::kLanded;
+}
+
 Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
   Commands commands;
   const SimTime now = k.now();
+  if (now - stepped_at_ > kLeftAlone) forget_flight(k);
+  stepped_at_ = now;
   progress_.inspected = request_open_ ? std::nullopt : std::move(progress_.inspected);
   look_around(k);
 

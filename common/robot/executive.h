@@ -54,6 +54,7 @@ class Executive {
     SimTime until;
   };
 
+  void forget_flight(const Knowledge& knowledge);
   void look_around(Knowledge& knowledge);
   void note_standing(SimTime now, const Teammate& mate);
   void make_room(Knowledge& knowledge, Commands& commands);
@@ -79,6 +80,7 @@ class Executive {
   double radius_m_;
   nav::Limits limits_;
   Progress progress_;
+  SimTime stepped_at_;
   Intent intent_;
   nav::Trajectory trajectory_;
   std::uint64_t trajectory_n_ = 0;

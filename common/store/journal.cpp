@@ -171,6 +171,7 @@ void Journal::commit(const RecordStore& store) {
   try {
     db_->execute("BEGIN");
     write(store);
+    if (disk_full_) throw Failure("database or disk is full");
     db_->execute("COMMIT");
     blocks_.clear();
     if (!works_) log::info("journal {}: written again, and up to date", path_);

@@ -54,6 +54,8 @@ class Journal {
   void commit(const RecordStore& store);
   /// False while the disk refuses.
   bool works() const { return works_; }
+  /// A fault of a simulation: from now on (or no longer) every commit fails as on a full disk.
+  void set_disk_full(bool full) { disk_full_ = full; }
 
  private:
   struct Statements;
@@ -75,7 +77,7 @@ class Journal {
     std::array<std::uint64_t, kRecordClasses> changes{};
   };
   Written written_;
-  bool works_ = true;
+  bool works_ = true, disk_full_ = false;
   int skip_ = 0;  ///< commits not tried since the disk refused
 };
 

@@ -21,6 +21,8 @@ class Energy {
     std::int32_t station = -1;  ///< in use, or waited for
   };
   const Battery& battery(std::size_t robot) const { return robots_[robot].battery; }
+  /// What nature would not do: a script drains (or fills) it.
+  void set_charge(std::size_t robot, double charge) { robots_[robot].battery.charge = charge; }
 
   /// Robots are indices into the fleet in the world's order. An unknown station counts as −1.
   void ask(std::size_t robot, std::int32_t station);

@@ -72,11 +72,23 @@ void Flight::tick_begins(std::uint64_t k, const mission::Truth& truth) {
   for (const mission::TrueState& robot : truth.robots) state_[robot.robot] = robot.state;
   for (const mission::ScriptedEvent& scripted : mission_.script) {
     const auto verb = verb_from(scripted.verb);
-    const bool due = scripted.at <= now_ && (k == 0 || scripted.at > now_ - kTick);
-    if (due && verb && *verb >= RequestVerb::kReturn && scripted.robot == kNoRobot)
+    if (scripted.due_at(k) && verb && *verb >= RequestVerb::kReturn && scripted.robot == kNoRobot)
       called_home_ = now_;
   }
+  note_faults(k);
   if (k % 10 == 0) write_tracks(truth);
+}
+
+/// Beginnings of what lasts a while; kills and requests have events of their own.
+void Flight::note_faults(std::uint64_t k) {
+  for (const mission::ScriptedEvent& e : mission_.script) {
+    if (!e.due_at(k) || (e.lasts.us == 0 && e.verb != "drain")) continue;
+    nlohmann::json line = {{"t_s", now_.s()}, {"event", "fault"}, {"verb", e.verb}};
+    if (e.robot != kNoRobot) line["robot"] = e.robot.value;
+    if (e.other != kNoRobot) line["other"] = e.other.value;
+    if (e.lasts.us > 0) line["for_s"] = e.lasts.s();
+    event(line);
+  }
 }
 
 void Flight::station_heard(const std::vector<mission::Message>& messages) {

@@ -67,6 +67,7 @@ class Flight {
   nlohmann::json finish(const std::string& reason);
 
  private:
+  void note_faults(std::uint64_t k);
   void write_tracks(const mission::Truth& truth);
   void write_events();
   nlohmann::json planning_summary() const;

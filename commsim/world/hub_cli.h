@@ -14,6 +14,7 @@ inline void add_hub_options(CLI::App& app, HubOptions& options, const std::strin
   app.add_option("--set", options.set, "KEY=VALUE: overrides a key of the mission file; repeatable")
       ->expected(1)
       ->take_all();
+  app.add_option("--faults", options.faults, "file with a script of faults, besides the mission's");
   app.add_option("--domain", options.domain, "DDS domain of the bus; the radio is on the next one")
       ->required();
   app.add_option("--dds", options.vendor, "cyclonedds or fastdds")->capture_default_str();

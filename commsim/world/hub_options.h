@@ -10,6 +10,7 @@ namespace muster::world {
 struct HubOptions {
   std::string mission_file, vendor = "cyclonedds", out = ".";
   std::vector<std::string> set;  ///< KEY=VALUE, over the mission file
+  std::string faults;            ///< a file with more of a script; empty: none
   std::uint32_t domain = 0;      ///< of the bus; the radio is on the next one
   int control_fd = -1;           ///< −1: nobody started us
 };

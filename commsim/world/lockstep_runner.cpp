@@ -32,7 +32,7 @@ class LockstepRunner {
   explicit LockstepRunner(const RunnerOptions& options)
       : options_(options),
         control_(options.control_fd),
-        mission_(mission::Mission::load(options.mission_file, options.set)),
+        mission_(mission::Mission::load(options.mission_file, options.set, options.faults)),
         barrier_(dds::BarrierConfig::from(dds::vendor_from(options.vendor), options.domain),
                  robots(), mission_.station()) {
     control_.on_dead([this](RobotId robot) { barrier_.notify_lost(robot); });
@@ -123,7 +123,7 @@ class LockstepRunner {
       radio.reset();
       flight().tick_begins(k, truth);
       flight().station_heard(barrier_.station_heard());
-      barrier_.announce(k);
+      barrier_.announce(k, world().paused(k));
 
       dds::WorldLockstep::Answers answers = barrier_.await_robots();
       note_lost();

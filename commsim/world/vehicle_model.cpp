@@ -81,6 +81,11 @@ void VehicleModel::set_alive(bool alive, SimTime now) {
   if (phase_ != Phase::kDown) phase_ = Phase::kHold;
 }
 
+void VehicleModel::set_paused(bool paused, SimTime now) {
+  if (paused || now - silent_since_ >= kSilence) return set_alive(!paused, now);
+  alive_ = true;
+}
+
 bool VehicleModel::abandoned(SimTime now) const {
   return !powered_ || (!alive_ && now - silent_since_ >= kSilence);
 }

@@ -41,6 +41,10 @@ class VehicleModel {
   bool command(const mission::Trajectory& trajectory);
   /// A process that died leaves its autopilot alone: after 1 s of silence it stops, then lands.
   void set_alive(bool alive, SimTime now);
+  /// A process that gets no time is silent like a dead one, but what it last said holds: who is
+  /// back within the second of patience goes on as if nothing had been, later it finds a vehicle
+  /// that stands.
+  void set_paused(bool paused, SimTime now);
   /// Without energy the vehicle lands where it is and obeys nobody.
   void set_powered(bool powered) { powered_ = powered; }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/core/hash.h"
 #include "common/dds/convert.h"
@@ -31,12 +32,6 @@ std::optional<mission::RequestVerb> verb_from(const std::string& name) {
   if (name == "land") return RequestVerb::kLand;
   if (name == "abort") return RequestVerb::kAbort;
   return std::nullopt;
-}
-
-/// Scripted events belong to the first tick at or after their time.
-bool due_at(const mission::ScriptedEvent& e, std::uint64_t k) {
-  const SimTime t = time_of_tick(k);
-  return e.at <= t && (k == 0 || e.at > t - kTick);
 }
 
 }  // namespace
@@ -126,15 +121,37 @@ std::vector<World::Samples> World::begin_tick(std::uint64_t k) {
   w.now = time_of_tick(k);
   for (const mission::ScriptedEvent& e : w.mission.script) {
     const auto verb = verb_from(e.verb);
-    if (verb && due_at(e, k)) operator_request(*verb, e.robot);
+    if (verb && e.due_at(k)) operator_request(*verb, e.robot);
   }
+  w.run_script();
   std::vector<Samples> samples;
   for (std::size_t i = 0; i < w.robots.size(); ++i) {
-    if (!w.robots[i].alive) continue;
+    if (!w.robots[i].alive || w.robots[i].paused) continue;
     samples.push_back({w.robots[i].config.id, {}});
     w.sample(w.robots[i], i, samples.back());
   }
   return samples;
+}
+
+bool World::Impl::scripted(const char* verb, const Robot& robot) const {
+  return mission::in_force(mission.script, verb, robot.config.id, now);
+}
+
+/// What the script does to vehicles: batteries drained, processes that fall silent and speak again.
+void World::Impl::run_script() {
+  for (const mission::ScriptedEvent& e : mission.script) {
+    if (e.verb != "drain" || !e.due_at(tick)) continue;
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      if (e.concerns(robots[i].config.id)) energy.set_charge(i, e.value);
+    }
+  }
+  for (Robot& r : robots) {
+    const bool paused = scripted("pause", r);
+    if (paused == r.paused) continue;
+    r.paused = paused;
+    if (r.alive) r.vehicle.set_paused(paused, now);
+    event(paused ? "paused" : "resumed", {{"robot", r.config.id.value}}, now);
+  }
 }
 
 void World::Impl::sample(Robot& robot, std::size_t index, Samples& out) {
@@ -147,7 +164,7 @@ void World::Impl::sample(Robot& robot, std::size_t index, Samples& out) {
   send(out, odometry);
   if (due(robot, robot.config.vehicle.scan_rate_hz)) sample_scans(robot, index, out);
   if (robot.config.role == mission::Role::kExplorer &&
-      due(robot, mission.sensing.sighting_rate_hz)) {
+      due(robot, mission.sensing.sighting_rate_hz) && !scripted("blind", robot)) {
     sample_sightings(robot, out);
   }
   if (due(robot, kBatteryRateHz)) {
@@ -168,7 +185,7 @@ void World::Impl::sample(Robot& robot, std::size_t index, Samples& out) {
 void World::Impl::sample_scans(Robot& robot, std::size_t index, Samples& out) {
   const RobotId id = robot.config.id;
   const Pose& pose = robot.vehicle.pose();
-  if (robot.camera.fitted()) {
+  if (robot.camera.fitted() && !scripted("blind", robot)) {
     const bool counts = robot.config.role == mission::Role::kExplorer && !declared;
     mission::Scan scan = robot.camera.sweep(around, id, pose, mission.sensing, robot.scan_noise,
                                             counts ? &robot.ray_ends : nullptr);
@@ -321,7 +338,10 @@ void World::Impl::check_contacts() {
 
 void World::Impl::look(Robot& robot, SimTime at) {
   if (!robot.inspector.busy()) return;
-  for (auto& answer : robot.inspector.look(around, robot.vehicle.pose(), robot.fastest_mps, at)) {
+  // Blind is as good as too fast: nothing is in view.
+  const double speed_mps =
+      scripted("blind", robot) ? std::numeric_limits<double>::infinity() : robot.fastest_mps;
+  for (auto& answer : robot.inspector.look(around, robot.vehicle.pose(), speed_mps, at)) {
     record_answer(robot.config.id, answer);
     robot.results.push_back(std::move(answer.message));
   }
@@ -333,7 +353,7 @@ void World::set_alive(RobotId id, bool alive) {
   Impl::Robot* robot = impl_->find(id);
   if (!robot || robot->alive == alive) return;
   robot->alive = alive;
-  robot->vehicle.set_alive(alive, impl_->now);
+  robot->vehicle.set_alive(alive && !robot->paused, impl_->now);
   impl_->event(alive ? "revived" : "dead", {{"robot", id.value}}, impl_->now);
   if (!alive) {
     robot->inspector.drop();
@@ -357,9 +377,18 @@ void World::operator_request(mission::RequestVerb verb, RobotId robot) {
 std::vector<mission::ScriptedEvent> World::scripted(std::uint64_t k) const {
   std::vector<mission::ScriptedEvent> due;
   for (const mission::ScriptedEvent& e : impl_->mission.script) {
-    if ((e.verb == "kill" || e.verb == "revive") && due_at(e, k)) due.push_back(e);
+    if ((e.verb == "kill" || e.verb == "revive") && e.due_at(k)) due.push_back(e);
   }
   return due;
+}
+
+std::set<RobotId> World::paused(std::uint64_t k) const {
+  std::set<RobotId> out;
+  for (const Impl::Robot& r : impl_->robots) {
+    const RobotId id = r.config.id;
+    if (mission::in_force(impl_->mission.script, "pause", id, time_of_tick(k))) out.insert(id);
+  }
+  return out;
 }
 
 }  // namespace muster::world

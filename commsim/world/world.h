@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,8 @@ class World {
   /// Scripted operator requests are made by the world itself; scripted kills and revivals are the
   /// launcher's: those due at tick k.
   std::vector<mission::ScriptedEvent> scripted(std::uint64_t k) const;
+  /// Who gets no tick k, by the script: such a robot is neither stepped nor heard of.
+  std::set<RobotId> paused(std::uint64_t k) const;
 
   // ---- referee (RULES.md); fed by whoever sees the station's map and records
   /// What the station holds now: newly delivered findings and inspections, and its map blocks

@@ -31,7 +31,7 @@ struct World::Impl {
     RangeSensor camera, lidar;
     InspectionCamera inspector;
     Random scan_noise, lidar_noise, sighting_noise;
-    bool alive = true;
+    bool alive = true, paused = false;
     double fastest_mps = 0;  ///< in the last tick
     double way_m = 0;        ///< flown or driven so far
     SimTime moved_at;        ///< when it last moved
@@ -49,6 +49,8 @@ struct World::Impl {
 
   // ---- stepping
   Robot* find(RobotId id);
+  bool scripted(const char* verb, const Robot& robot) const;
+  void run_script();
   void refresh_bodies();
   void sample(Robot& robot, std::size_t index, Samples& out);
   void sample_scans(Robot& robot, std::size_t index, Samples& out);

@@ -98,7 +98,9 @@ void add_air_command(CLI::App& app) {
       "together, contacts: as beacons were heard; apart: the longest time without.\n"
       "Reasons: range (too far), wall, loss (faded, or drawn), airtime (the air was busy for too "
       "long),\n"
-      "dead (one of the two was), scripted (the mission took it away). The record is DIR/air.csv.");
+      "dead (one of the two was), and by the mission's script: jam, cut, paused, scripted "
+      "(muted).\n"
+      "The record is DIR/air.csv.");
   command->callback([dir, json] {
     const AirData air = read_air(*dir);
     if (*json) {

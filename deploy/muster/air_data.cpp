@@ -47,6 +47,11 @@ AirData::Pair& pair_of(AirData& air, std::uint32_t x, std::uint32_t y) {
   return *air.pairs.insert(at, std::move(fresh));
 }
 
+/// Neither distance nor walls nor the hearer's silence explain it.
+bool unexplained(const std::string& reason) {
+  return reason == "loss" || reason == "airtime" || reason == "jam" || reason == "cut";
+}
+
 void add_row(AirData& air, const std::vector<std::string>& reasons,
              const std::vector<std::uint64_t>& row) {
   const auto from = static_cast<std::uint32_t>(row[1]), to = static_cast<std::uint32_t>(row[2]);
@@ -59,7 +64,7 @@ void add_row(AirData& air, const std::vector<std::string>& reasons,
   for (std::size_t i = 0; i < reasons.size(); ++i) {
     const std::uint64_t n = row[kFixedColumns + i];
     if (n > 0) way.dropped[reasons[i]] += n;
-    if (reasons[i] == "loss" || reasons[i] == "airtime") lost += n;
+    if (unexplained(reasons[i])) lost += n;
   }
   if (row[4] > 0 || lost > 0) way.moments.push_back({static_cast<double>(row[0]), row[4], lost});
 }

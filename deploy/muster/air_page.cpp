@@ -143,7 +143,7 @@ std::string timeline(const AirData& air) {
   return "<figure class=\"chart\"><ul class=\"legend\">" + swatch("near", "in contact") +
          swatch("way-a", "the second heard the first") +
          swatch("way-b", "the first heard the second") +
-         swatch("lost-here", "lost on the way, or no airtime") +
+         swatch("lost-here", "lost on the way, no airtime, jammed or cut") +
          fmt::format("<li>columns: bytes in {} s, by their logarithm, at most {} kB</li></ul>",
                      number(columns.width_s), number(most / 1000)) +
          fmt::format("<div class=\"rows air{}\">", count > 24 ? " dense" : "") + rows +
@@ -200,7 +200,9 @@ std::string air_page(const AirData& air) {
          "</section><section><h2>How much, and what was dropped</h2>"
          "<p class=\"says\">Messages, by the reason they were not heard: too far, a wall, lost "
          "(faded or "
-         "drawn), no airtime, one of the two dead, taken away by the mission.</p>" +
+         "drawn), no airtime, one of the two dead; jam, cut, paused and scripted: taken away by "
+         "the "
+         "mission's script.</p>" +
          table(air) + "</section></main></body></html>\n";
 }
 

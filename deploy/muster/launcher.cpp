@@ -127,6 +127,7 @@ class Launcher {
         "--mission", options_.mission_file, "--domain", std::to_string(domain_), "--dds", vendor,
         "--out",     options_.out};
     for (const std::string& pair : options_.overrides()) all.insert(all.end(), {"--set", pair});
+    if (!options_.faults.empty()) all.insert(all.end(), {"--faults", options_.faults});
     return all;
   }
 

@@ -1,6 +1,7 @@
 #include "deploy/muster/memory_fleet.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "common/dds/order.h"
@@ -13,6 +14,7 @@ MemoryFleet::MemoryFleet(const mission::Mission& mission,
                          const std::shared_ptr<const world::Scene>& scene, ProcessFactory factory,
                          const world::FlightConfig& config)
     : mission_(mission),
+      known_(mission.without_script()),
       factory_(std::move(factory)),
       out_(config.out),
       world_(mission_, scene),
@@ -24,18 +26,21 @@ MemoryFleet::MemoryFleet(const mission::Mission& mission,
 
 MemoryFleet::~MemoryFleet() = default;
 
-/// In memory nobody dies but by the script, so only who comes back needs a journal.
-bool MemoryFleet::comes_back(RobotId robot) const {
+/// In memory nobody dies but by the script, so only who comes back needs a journal, and whose disk
+/// will be full.
+bool MemoryFleet::needs_journal(RobotId robot) const {
   return std::ranges::any_of(mission_.script, [&](const mission::ScriptedEvent& event) {
-    return event.verb == "revive" && event.robot == robot;
+    return (event.verb == "revive" || event.verb == "full-disk") && event.concerns(robot);
   });
 }
 
 void MemoryFleet::start(RobotId robot) {
-  auto process = factory_(mission_, robot, ++starts_[robot]);
-  if (!out_.empty() && comes_back(robot)) {
-    process->keep(std::make_unique<store::Journal>(store::Journal::path(out_, robot), robot,
-                                                   store::Journal::Durability::kProcess));
+  auto process = factory_(known_, robot, ++starts_[robot]);
+  if (!out_.empty() && needs_journal(robot)) {
+    auto journal = std::make_unique<store::Journal>(store::Journal::path(out_, robot), robot,
+                                                    store::Journal::Durability::kProcess);
+    journals_[robot] = journal.get();
+    process->keep(std::move(journal));
   }
   robots_.emplace(robot, std::move(process));
 }
@@ -46,7 +51,9 @@ void MemoryFleet::run_script() {
     const bool lives = robots_.contains(event.robot);
     if (event.verb == "kill" && lives) {
       robots_.erase(event.robot);
+      journals_.erase(event.robot);
       arriving_.erase(event.robot);
+      waiting_.erase(event.robot);
       flight_.robot_lost(event.robot, "scripted");
     } else if (event.verb == "revive" && !lives) {
       start(event.robot);
@@ -59,18 +66,33 @@ void MemoryFleet::run_script() {
   }
 }
 
+/// What has arrived, late or just now.
+std::vector<Message> MemoryFleet::take_air(RobotId robot) {
+  std::vector<Message> air = std::exchange(waiting_[robot], {});
+  std::ranges::move(arriving_[robot], std::back_inserter(air));
+  arriving_[robot].clear();
+  dds::sort_messages(air);
+  return air;
+}
+
 void MemoryFleet::step_robots(const std::vector<world::World::Samples>& samples) {
   std::map<RobotId, std::vector<Message>> bus;
   for (const world::World::Samples& s : samples) bus[s.robot] = s.messages;
   commands_.clear();
   sent_.clear();
+  const std::set<RobotId> paused = world_.paused(k_);
   for (auto& [id, robot] : robots_) {
-    mission::StepInput input{.tick = k_,
-                             .now = time_of_tick(k_),
-                             .bus = std::move(bus[id]),
-                             .air = std::move(arriving_[id])};
+    if (paused.contains(id)) {
+      waiting_[id] = take_air(id);
+      continue;
+    }
+    mission::StepInput input{
+        .tick = k_, .now = time_of_tick(k_), .bus = std::move(bus[id]), .air = take_air(id)};
     dds::sort_messages(input.bus);
-    dds::sort_messages(input.air);
+    if (const auto journal = journals_.find(id); journal != journals_.end()) {
+      journal->second->set_disk_full(
+          mission::in_force(mission_.script, "full-disk", id, input.now));
+    }
     mission::StepOutput output = robot->step(input);
     flight_.robot_done({.robot = id,
                         .trace = output.trace,

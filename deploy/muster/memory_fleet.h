@@ -44,21 +44,25 @@ class MemoryFleet {
   std::uint64_t ticks() const { return k_; }
 
  private:
-  bool comes_back(RobotId robot) const;
+  bool needs_journal(RobotId robot) const;
   void start(RobotId robot);
   void run_script();
+  std::vector<mission::Message> take_air(RobotId robot);
   void step_robots(const std::vector<world::World::Samples>& samples);
 
   const mission::Mission mission_;
+  const mission::Mission known_;  ///< to robots
   ProcessFactory factory_;
   std::string out_;
   world::World world_;
   commsim::Relay relay_;
   world::Flight flight_;
   std::map<RobotId, std::unique_ptr<mission::Process>> robots_;
+  std::map<RobotId, store::Journal*> journals_;  ///< of those that have one; their process owns it
   std::map<RobotId, std::uint64_t> starts_;
   std::map<RobotId, std::vector<mission::Message>>
-      arriving_;  ///< radio deliveries, for the next tick
+      arriving_,  ///< radio deliveries, for the next tick
+      waiting_;   ///< what had arrived at who was paused then
   std::map<RobotId, std::vector<mission::Message>> sent_;
   std::vector<mission::Message> commands_;
   std::uint64_t k_ = 0;

@@ -18,6 +18,7 @@ constexpr const char* kFooter = R"(Examples
   muster run deploy/missions/town.yaml --seed 7 --out runs/t7   another seed, files to runs/t7
   muster run deploy/missions/pagoda.yaml --transport memory     the same flight inside one process, faster, same trace
   muster run deploy/missions/town.yaml --set radio.preset=wifi-5ghz   a radio that fades and is shared, not 5 m and line of sight
+  muster run deploy/missions/pagoda.yaml --faults storm.yaml    the same with kills, jams, cuts …: a file with a script:
   muster run deploy/missions/pagoda.yaml --link direct --speed 1 --duration 60   no simulated radio: as in the field
   muster run deploy/missions/pagoda.yaml --external 3           prints how to start robot 3 yourself (gdb, another terminal)
 
@@ -26,7 +27,7 @@ Exit status: 0 mission complete, 3 ended incomplete or declared complete falsely
 
 int run(RunOptions& options) {
   const mission::Mission mission =
-      mission::Mission::load(options.mission_file, options.overrides());
+      mission::Mission::load(options.mission_file, options.overrides(), options.faults);
   options.validate(mission);
   if (options.print_config) {
     std::fputs(mission.to_yaml().c_str(), stdout);
@@ -36,6 +37,8 @@ int run(RunOptions& options) {
   // Children, and whoever starts one by hand, may be in another directory.
   options.mission_file =
       std::filesystem::absolute(options.mission_file).lexically_normal().string();
+  if (!options.faults.empty())
+    options.faults = std::filesystem::absolute(options.faults).lexically_normal().string();
   options.out = std::filesystem::absolute(options.out).lexically_normal().string();
   // Before anything is made or started.
   std::shared_ptr<const world::Scene> scene = world::Scene::load(mission);
@@ -76,6 +79,9 @@ void add_run_command(CLI::App& app, Action& action) {
                    "KEY=VALUE: overrides a key of the mission file (radio.range_m=8); repeatable")
       ->expected(1)
       ->take_all();
+  command->add_option("--faults", o->faults,
+                      "file with a script of faults, besides the mission's: kill, revive, pause, "
+                      "jam, cut, loss, drain, blind, full-disk, chaos (see the README)");
   command->add_flag("--print-config", o->print_config,
                     "print the mission with every key, as it would be flown, and end");
   command->add_option("--external", o->external, "robots that you start yourself, by id")

@@ -37,6 +37,8 @@ void RunOptions::validate(const mission::Mission& mission) const {
   if (link == "direct" && speed == "max") {
     throw BadInput("--link direct: everyone flies on their own clock; say how fast with --speed 1");
   }
+  if (link == "direct" && !faults.empty())
+    throw BadInput("--faults: needs the simulated radio, so --link radio");
   if (transport == "memory" && !external.empty())
     throw BadInput("--external: needs --transport dds");
   if (transport == "memory" && capture)

@@ -19,6 +19,7 @@ struct RunOptions {
   std::string link = "radio";      ///< radio | direct
   std::string speed = "max";       ///< max, or times real time
   std::vector<std::string> set;    ///< key=value
+  std::string faults;              ///< a file with more of a script; empty: none
   std::vector<std::uint32_t> external;
   std::string out;                      ///< default: runs/<mission name>
   bool out_is_new = false;              ///< made for this run
