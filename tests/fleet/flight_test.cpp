@@ -124,6 +124,30 @@ TEST_CASE("robots and station that die come back with what they kept, the same o
   }
 }
 
+TEST_CASE("every kind of fault, the same over DDS, and nobody touches anything") {
+  const Place place;
+  const auto fly = [&](const std::string& name, const std::string& how) {
+    const Ended run = shell(fmt::format(
+        "timeout 250 {} run {} --faults {}/tests/missions/faults.yaml --seed 1 --duration 50 "
+        "--no-report --out {} {}",
+        kMuster, kPagoda, MUSTER_SOURCE_DIR, place / name, how));
+    INFO(name << ": " << run.output);
+    CHECK(run.status == 3);
+    return summary_of(place / name);
+  };
+  const auto memory = fly("memory", "--transport memory"), mixed = fly("mixed", "--dds mixed");
+  CHECK(memory["trace_hash"] == mixed["trace_hash"]);
+  CHECK(memory["air"]["dropped"] == mixed["air"]["dropped"]);
+  CHECK(mixed["collisions"] == 0);
+  for (const char* reason : {"jam", "cut", "loss", "paused", "dead", "scripted"}) {
+    CAPTURE(reason);
+    CHECK(mixed["air"]["dropped"][reason] > 0);
+  }
+  const std::string log = place / "mixed/logs/agent-3.log";
+  CHECK(shell("grep 'disk is full; flying on' " + log).status == 0);
+  CHECK(shell("grep 'written again, and up to date' " + log).status == 0);
+}
+
 TEST_CASE("without the simulated radio robots hear each other, and the station's map grows") {
   const Place place;
   const Ended run =

@@ -144,6 +144,74 @@ TEST_CASE("a script may take beacons away, and nothing else") {
   CHECK(relay.summary()["air"]["dropped"]["scripted"] == 2 + 4);
 }
 
+TEST_CASE("inside a jammed sphere nobody hears or is heard, while it lasts") {
+  auto mission = mission_of_three();
+  mission::ScriptedEvent jam{SimTime::from_s(1), "jam"};
+  jam.center = {3, 0, 1};
+  jam.radius_m = 0.5;
+  jam.lasts = Duration::from_s(1);
+  mission.script.push_back(jam);
+  Relay relay(mission, open_air);
+  const auto heard = [&](std::uint64_t k) {
+    const auto out =
+        relay.step(truth(k, kTogether), {{kA, {beacon(kA, 1)}}, {kC, {beacon(kC, 1)}}});
+    return out.deliveries.size();
+  };
+  CHECK(heard(9) == 3);   // b hears both, they each other
+  CHECK(heard(10) == 1);  // b hears a
+  CHECK(heard(19) == 1);
+  CHECK(heard(20) == 3);
+  CHECK(relay.summary()["air"]["dropped"]["jam"] == 6);
+}
+
+TEST_CASE("a cut pair hears others, but not each other") {
+  auto mission = mission_of_three();
+  mission::ScriptedEvent cut{SimTime::from_s(1), "cut", kC};
+  cut.other = kA;
+  cut.lasts = Duration::from_s(1);
+  mission.script.push_back(cut);
+  Relay relay(mission, open_air);
+  const auto out = relay.step(truth(10, kTogether), {{kA, {beacon(kA, 1)}}, {kC, {beacon(kC, 1)}}});
+  CHECK(out.deliveries.size() == 1);
+  CHECK(out.deliveries.at(kB).size() == 2);
+  CHECK(relay.summary()["air"]["dropped"]["cut"] == 2);
+}
+
+TEST_CASE("loss rises to what the script says, and falls back") {
+  auto mission = mission_of_three();
+  mission::ScriptedEvent loss{SimTime::from_s(10), "loss"};
+  loss.value = 0.5;
+  loss.lasts = Duration::from_s(50);
+  mission.script.push_back(loss);
+  Relay relay(mission, open_air);
+  std::uint64_t lost = 0;
+  for (std::uint64_t k = 0; k < 700; ++k) {
+    relay.step(truth(k, kTogether), {{kA, {beacon(kA, k + 1)}}});
+    const auto now = relay.summary()["air"]["dropped"]["loss"].get<std::uint64_t>();
+    if (k < 100 || k >= 600) CHECK(now == lost);
+    lost = now;
+  }
+  CHECK(lost > 400);
+  CHECK(lost < 600);
+}
+
+TEST_CASE(
+    "who is paused hears nothing, and that is the reason, whoever dropped it from the barrier") {
+  auto mission = mission_of_three();
+  mission::ScriptedEvent pause{SimTime::from_s(1), "pause", kB};
+  pause.lasts = Duration::from_s(1);
+  mission.script.push_back(pause);
+  Relay relay(mission, open_air), told(mission, open_air);
+  told.set_alive(kB, false);
+  for (Relay* r : {&relay, &told}) {
+    const auto out = r->step(truth(10, kTogether), {{kA, {beacon(kA, 1)}}});
+    CHECK(out.deliveries.size() == 1);
+    CHECK(r->summary()["air"]["dropped"]["paused"] == 1);
+  }
+  told.set_alive(kB, true);
+  CHECK(told.step(truth(20, kTogether), {{kA, {beacon(kA, 2)}}}).deliveries.size() == 2);
+}
+
 TEST_CASE("a ray is asked for once per pair, and only within range") {
   int rays = 0;
   Relay relay(mission_of_three(), [&](const Vec3&, const Vec3&) { return ++rays > 0; });

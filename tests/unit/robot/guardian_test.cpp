@@ -64,6 +64,19 @@ TEST_CASE("a robot that hears nobody for the mission's limit goes home") {
   CHECK(guardian.overrule(explorer)->kind == Intent::Kind::kLand);
 }
 
+TEST_CASE("who starts in the middle of a mission has been alone only since then") {
+  mission::Mission m = robot::small_mission();
+  m.lost_contact_s = 100;
+  Knowledge inspector(m, RobotId{2}, 2);
+  Guardian guardian;
+  for (const double t_s : {500.0, 599.0}) {
+    inspector.begin(SimTime::from_s(t_s));
+    CHECK_FALSE(guardian.overrule(inspector));
+  }
+  inspector.begin(SimTime::from_s(601));
+  CHECK(guardian.overrule(inspector));
+}
+
 TEST_CASE("silent robots set out for home one after the other") {
   mission::Mission m = robot::small_mission();
   m.lost_contact_s = 100;
@@ -71,9 +84,10 @@ TEST_CASE("silent robots set out for home one after the other") {
   for (std::uint32_t id = 0; id < 3; ++id) {
     Knowledge k(m, RobotId{id}, 1);
     Guardian guardian;
-    for (double t_s = 101; t_s < 250; t_s += 1) {
+    for (double t_s = 0; t_s < 250; t_s += 1) {
       k.begin(SimTime::from_s(t_s));
-      if (guardian.overrule(k)->kind != Intent::Kind::kLand) continue;
+      const auto overruled = guardian.overrule(k);
+      if (!overruled || overruled->kind != Intent::Kind::kLand) continue;
       set_out_s.push_back(t_s);
       break;
     }

@@ -41,6 +41,9 @@ class Flyer {
   }
 
   void hover() { intent_ = {}; }
+  const Executive& executive() const { return executive_; }
+  /// Flies no further what it was told.
+  void stop() { flown_ = {}; }
 
   void step(SimTime now, const std::vector<mission::Beacon>& heard) {
     knowledge_.begin(now);
@@ -104,6 +107,8 @@ class Hall {
   std::size_t size() const { return flyers_.size(); }
   Flyer& operator[](std::size_t i) { return *flyers_[i]; }
 
+  /// No process gets any time.
+  void pause(double span_s) { now_ = now_ + Duration::from_s(span_s); }
   /// Returns the least gap between any two bodies over this span.
   double run(double span_s) {
     double least_m = 1e9;
@@ -186,4 +191,22 @@ TEST_CASE("robots that cross, meet and follow each other never touch, and all ge
     }
   }
   for (const int n : arrivals) CHECK(n >= 2);
+}
+
+TEST_CASE("a robot that got no time for more than a second forgets its flight and sets out again") {
+  const Vec3 goal(5, 0, 1.5);
+  for (const double pause_s : {0.8, 1.5}) {
+    CAPTURE(pause_s);
+    Hall hall({Vec3(-4, 0, 1.5)});
+    hall[0].go(goal);
+    hall.run(1);
+    const auto before = hall[0].executive().trajectory().end();
+    hall.pause(pause_s);
+    if (pause_s > 1) hall[0].stop();  // as the vehicle does meanwhile (RULES)
+    hall.run(0.1);
+    const bool goes_on = hall[0].executive().trajectory().end() == before;
+    CHECK(goes_on == (pause_s < 1));
+    hall.run(12);
+    CHECK((hall[0].p() - goal).norm() < 0.5);
+  }
 }

@@ -225,3 +225,21 @@ TEST_CASE("with the disk full the robot goes on, keeps what it had, and catches 
   CHECK(journal.works());
   CHECK(same(restored(as_killed(folder.file(), folder.file("killed.db"))), store));
 }
+
+TEST_CASE(
+    "a disk that is full for a while, by script, is caught up with as soon as it is tried again") {
+  const Folder folder;
+  Journal journal(folder.file(), kSelf, Journal::Durability::kProcess);
+  RecordStore store(kSelf, 1);
+  write_own(store, RecordClass::kArea, 1);
+  journal.commit(store);
+  journal.set_disk_full(true);
+  write_own(store, RecordClass::kArea, 2);
+  for (int i = 0; i < 150; ++i) journal.commit(store);
+  CHECK_FALSE(journal.works());
+  CHECK(restored(as_killed(folder.file(), folder.file("killed.db"))).size() == 1);
+  journal.set_disk_full(false);
+  for (int i = 0; i < 150; ++i) journal.commit(store);
+  CHECK(journal.works());
+  CHECK(same(restored(as_killed(folder.file(), folder.file("killed.db"))), store));
+}

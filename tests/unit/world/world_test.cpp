@@ -51,6 +51,12 @@ mission::Inspect inspect(std::uint64_t n, const Vec3& area) {
   return i;
 }
 
+mission::ScriptedEvent lasting(double at_s, const char* verb, RobotId robot, double for_s) {
+  mission::ScriptedEvent e{SimTime::from_s(at_s), verb, robot};
+  e.lasts = Duration::from_s(for_s);
+  return e;
+}
+
 const mission::TrueState& true_state(const mission::Truth& truth, std::uint32_t id) {
   for (const auto& r : truth.robots) {
     if (r.robot == RobotId{id}) return r;
@@ -199,6 +205,76 @@ TEST_CASE("operator requests reach the station, scripted ones at their time") {
   CHECK(told[0].verb == mission::RequestVerb::kHold);
   CHECK(told[1].verb == mission::RequestVerb::kAbort);
   CHECK(told[1].envelope.sent == SimTime::from_s(1));
+}
+
+TEST_CASE("a paused process gets nothing, its vehicle lands, and later it may fly again") {
+  mission::Mission m = small_fleet();
+  m.script = {lasting(1, "pause", RobotId{2}, 5)};
+  World world = make_world(m);
+  CHECK(world.paused(9).empty());
+  CHECK(world.paused(10) == std::set{RobotId{2}});
+  CHECK(world.paused(60).empty());
+  run(world, 0, 10);
+  CHECK(world.begin_tick(10).size() == 2);
+  world.end_tick(10, {});
+  run(world, 11, 60);
+  CHECK(true_state(world.truth(), 2).pose.p.z() < 0.3);
+  const auto samples = world.begin_tick(60);
+  const auto odometry = all_of<mission::Odometry>(samples, 2, MessageClass::kOdometry);
+  REQUIRE(odometry.size() == 1);
+  CHECK(odometry[0].state == mission::VehicleState::kLanded);
+  world.end_tick(60, {from(2, to(odometry[0].pose.p, {0.5, 2, 2}, 6, 3))});
+  run(world, 61, 100);
+  CHECK(true_state(world.truth(), 2).pose.p.z() == Approx(2).margin(1e-6));
+  CHECK(world.summary()["robots_lost"].empty());
+}
+
+TEST_CASE("a pause within the second of patience changes nothing of what is flown") {
+  mission::Mission m = small_fleet();
+  m.script = {lasting(1, "pause", RobotId{1}, 0.8)};
+  World world = make_world(m);
+  world.begin_tick(0);
+  world.end_tick(0, {from(1, to({0, 0, 2}, {0, -3, 2}, 0, 4))});
+  run(world, 1, 60);
+  CHECK((true_state(world.truth(), 1).pose.p - Vec3(0, -3, 2)).norm() < 1e-6);
+}
+
+TEST_CASE("a blind camera scans, sights and inspects nothing, while it lasts") {
+  mission::Mission m = small_fleet();
+  m.script = {lasting(1, "blind", kNoRobot, 8)};
+  World world = make_world(m);
+  run(world, 0, 10);
+  world.begin_tick(10);
+  world.end_tick(10, {from(2, inspect(1, {3, 2, 2}))});
+  int scans = 0, sightings = 0;
+  std::vector<mission::Inspected> answers;
+  for (std::uint64_t k = 11; k < 90; ++k) {
+    const auto samples = world.begin_tick(k);
+    scans += static_cast<int>(all_of<mission::Scan>(samples, 1, MessageClass::kScan).size());
+    sightings +=
+        static_cast<int>(all_of<mission::Sightings>(samples, 1, MessageClass::kSightings).size());
+    for (auto& a : all_of<mission::Inspected>(samples, 2, MessageClass::kInspected))
+      answers.push_back(std::move(a));
+    world.end_tick(k, {});
+  }
+  CHECK(scans == 0);
+  CHECK(sightings == 0);
+  REQUIRE(answers.size() == 1);
+  CHECK(answers[0].outcome == mission::InspectOutcome::kRefusedView);
+  CHECK(run<mission::Scan>(world, 90, 100, 1, MessageClass::kScan).size() == 2);
+}
+
+TEST_CASE("a drained battery is at the level the script says, and lands its robot at none") {
+  mission::Mission m = small_fleet();
+  mission::ScriptedEvent drain{SimTime::from_s(1), "drain", RobotId{1}};
+  drain.value = 0.25;
+  m.script = {drain, {SimTime::from_s(2), "drain", RobotId{2}}};
+  World world = make_world(m);
+  const auto told = run<mission::Battery>(world, 0, 60, 1, MessageClass::kBattery);
+  CHECK(told.front().charge == 1);
+  CHECK(told.back().charge == 0.25f);
+  CHECK(true_state(world.truth(), 1).pose.p.z() == 2);
+  CHECK(true_state(world.truth(), 2).pose.p.z() < 0.3);
 }
 
 TEST_CASE("an empty battery lands its robot") {
