@@ -39,6 +39,7 @@ int run(const world::HubOptions& options) {
   // Loaded while everybody finds each other.
   commsim::Relay relay(mission, world::Scene::load(mission));
   relay.log_to(options.out + "/air.csv");
+  relay.judge_journals_in(options.out);
   LineChannel control(options.control_fd);
   std::thread listener;
   if (options.control_fd >= 0) listener = std::thread([&] { listen(control, radio); });

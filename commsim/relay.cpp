@@ -11,9 +11,11 @@
 #include "common/core/hash.h"
 #include "common/dds/convert.h"
 #include "common/dds/order.h"
+#include "common/store/journal.h"
 #include "commsim/air_log.h"
 #include "commsim/contacts.h"
 #include "commsim/interference.h"
+#include "commsim/promises.h"
 #include "commsim/walls.h"
 
 namespace muster::commsim {
@@ -83,6 +85,10 @@ struct Relay::Impl {
     return it != places.end() && it->robot == robot ? &*it : nullptr;
   }
 
+  void judge(RobotId robot) {
+    if (journals) promises.judge_file(robot, store::Journal::path(*journals, robot), stepped);
+  }
+
   void disturb(SimTime now) {
     interference.advance(now);
     for (Place& place : places) {
@@ -143,6 +149,7 @@ struct Relay::Impl {
   void account(const Outgoing& m, std::uint64_t k, SimTime now, Outcome& out, Hasher& trace) {
     const std::size_t size = m.message->cdr.size();
     const bool scripted = m.beacon() && interference.mutes(m.envelope.src);
+    if (journals) promises.sent(m.envelope.src, *m.message);
     sent.add(size);
     by_topic[m.envelope.cls].add(size);
     trace.add(m.envelope.src.value).add(m.envelope.n).add(hash_bytes(m.message->cdr));
@@ -196,6 +203,9 @@ struct Relay::Impl {
 
   std::vector<Place> places;  // ascending
   Interference interference;
+  std::optional<std::string> journals;  // the directory that has them
+  Promises promises;
+  SimTime stepped;  // when last
   Ether main;
   std::optional<Ether> mesh;
   std::map<std::uint64_t, std::vector<Late>> late;  // by the tick whose outcome they belong to
@@ -231,6 +241,7 @@ Relay::Outcome Relay::step(const mission::Truth& truth,
       place->vehicle_alive = state.state != mission::VehicleState::kDead;
     }
   }
+  impl_->stepped = truth.time;
   impl_->disturb(truth.time);
   if (impl_->log) impl_->log->advance(truth.time);
   std::vector<Impl::Sender> senders;
@@ -258,8 +269,13 @@ Relay::Outcome Relay::step(const mission::Truth& truth,
 }
 
 void Relay::set_alive(RobotId robot, bool alive) {
-  if (Place* place = impl_->place_of(robot)) place->process_alive = alive;
+  Place* place = impl_->place_of(robot);
+  if (!place || place->process_alive == alive) return;
+  place->process_alive = alive;
+  if (!alive) impl_->judge(robot);
 }
+
+void Relay::judge_journals_in(const std::string& dir) { impl_->journals = dir; }
 
 void Relay::log_to(const std::string& path) {
   std::vector<RobotId> robots;
@@ -268,6 +284,7 @@ void Relay::log_to(const std::string& path) {
 }
 
 void Relay::finish() {
+  for (const Place& place : impl_->places) impl_->judge(place.robot);
   if (impl_->log) impl_->log->finish();
 }
 
@@ -287,6 +304,7 @@ nlohmann::json Relay::summary() const {
             {"dropped", std::move(dropped)},
             {"by_mesh", impl_->by_mesh},
             {"by_topic", std::move(topics)}}},
+          {"records_lost", impl_->journals ? impl_->promises.to_json() : nlohmann::json(nullptr)},
           {"contacts", impl_->contacts.to_json()}};
 }
 

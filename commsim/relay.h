@@ -41,6 +41,9 @@ class Relay {
                const std::map<RobotId, std::vector<mission::Message>>& sent);
 
   void set_alive(RobotId robot, bool alive);
+  /// Robots keep their journals below `dir`, the directory of their results. Each is judged by what
+  /// its robot had promised (Promises), when the robot dies and at `finish`.
+  void judge_journals_in(const std::string& dir);
   /// From now on writes who heard whom to `path` (AirLog has its columns); `finish` writes the rest
   /// of it. Throws Failure.
   void log_to(const std::string& path);
@@ -48,6 +51,7 @@ class Relay {
   /// `{"air": {messages, bytes, delivered, delivered_bytes, refused, dropped: {reason: n},
   /// by_mesh, by_topic: {topic: {messages, bytes}}},
   ///   "contacts": [{"robots": [a, b], "seconds", "intervals": [[from_s, until_s], …]}]}`.
+  /// And `records_lost` of Promises, null where no journals are judged.
   /// A contact lasts from the first beacon heard, either way, until none was heard for 1 s.
   nlohmann::json summary() const;
 

@@ -36,6 +36,8 @@ T decode_body(const store::Record& record);
 /// A record under a fresh envelope, its bytes untouched; and back.
 mission::Message wrap(const mission::Envelope& envelope, const store::Record& record);
 store::Record unwrap(const mission::Message& message);
+/// Only whose record it is and which; the body is not looked at. Throws BadInput.
+store::RecordHeader peek_header(const mission::Message& message);
 
 /// The first 24 bytes after the encapsulation, without decoding anything else.
 mission::Envelope peek_envelope(ByteView cdr);

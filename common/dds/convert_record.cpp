@@ -191,21 +191,25 @@ mission::Message wrap(const mission::Envelope& envelope, const store::Record& re
   return message;
 }
 
-store::Record unwrap(const mission::Message& message) try {
-  const ByteView payload = payload_of(message.cdr);
+store::RecordHeader peek_header(const mission::Message& message) try {
   const mission::Envelope envelope = peek_envelope(message.cdr);
   if (!mission::is_record(envelope.cls)) throw BadInput("not a record");
-  const ByteView bytes = payload.subspan(kEnvelope);
   air::RecordHeader w;
-  deserialise(bytes, w);
-  store::Record record{{}, Bytes(bytes.begin(), bytes.end())};
-  fields(FromWire{}, w, record.header);
-  if (mission::message_class(record.header.cls) != envelope.cls) {
+  deserialise(payload_of(message.cdr).subspan(kEnvelope), w);
+  store::RecordHeader header;
+  fields(FromWire{}, w, header);
+  if (mission::message_class(header.cls) != envelope.cls) {
     throw BadInput("envelope and header name different classes");
   }
-  return record;
+  return header;
 } catch (const BadInput& e) {
   throw BadInput("record of " + std::to_string(message.cdr.size()) + " bytes: " + e.what());
+}
+
+store::Record unwrap(const mission::Message& message) {
+  store::RecordHeader header = peek_header(message);
+  const ByteView bytes = payload_of(message.cdr).subspan(kEnvelope);
+  return {std::move(header), Bytes(bytes.begin(), bytes.end())};
 }
 
 mission::Envelope peek_envelope(ByteView cdr) {

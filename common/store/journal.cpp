@@ -130,6 +130,21 @@ void Journal::open(RobotId robot, Durability durability) {
   sql_ = std::make_unique<Statements>(db);
 }
 
+std::vector<RecordHeader> Journal::kept(const std::string& path) {
+  Database db(path);
+  auto rows = db.prepare("SELECT robot, class, key, epoch, seq FROM records");
+  std::vector<RecordHeader> headers;
+  while (rows.step()) {
+    RecordHeader h;
+    h.author = {RobotId{static_cast<std::uint32_t>(rows.number(0))}, rows.number(3)};
+    h.cls = static_cast<RecordClass>(rows.integer(1));
+    h.key = rows.number(2);
+    h.seq = rows.number(4);
+    headers.push_back(std::move(h));
+  }
+  return headers;
+}
+
 void Journal::restore(RecordStore& store, const std::function<void(const Record&)>& take) {
   auto rows = db_->prepare(
       "SELECT robot, class, key, epoch, seq, stamp_us, signature, bytes FROM records ORDER BY "

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/core/bytes.h"
 #include "common/core/ids.h"
@@ -39,6 +40,8 @@ class Journal {
   static std::string path(const std::string& out, RobotId robot) {
     return out + "/state/" + std::to_string(robot.value) + ".db";
   }
+  /// What the journal at `path` holds, without taking it up: for who judges. Throws Failure.
+  static std::vector<RecordHeader> kept(const std::string& path);
   /// Of the last start that was kept; 0: none was.
   std::uint64_t epoch() const { return epoch_; }
 

@@ -37,6 +37,7 @@ std::vector<FeatureId> FeatureLedger::answered(RobotId by, const mission::Inspec
   if (answer.outcome == mission::InspectOutcome::kEmpty) ++areas_.empty;
   if (answer.outcome != mission::InspectOutcome::kFound) return fresh;
   Given given;
+  given.at = now;
   given.payload_hash = hash_bytes(answer.payload);
   for (const mission::Finding& f : answer.found) {
     given.features.push_back(f.feature);
@@ -106,11 +107,43 @@ FeatureLedger::Receipt FeatureLedger::settle(RobotId by, Arrival& arrival, SimTi
     Entry& e = entries_[id.value];
     if (e.delivered) continue;
     e.delivered = now;
+    e.delivered_by = by;
     ++delivered_;
     deliveries_.push_back(now);
     receipt.delivered.push_back(id);
   }
   return receipt;
+}
+
+std::vector<FeatureLedger::Redone> FeatureLedger::lost_with(RobotId robot) const {
+  std::map<FeatureId, Redone> lost;
+  const auto own = given_.find(robot);
+  if (own == given_.end()) return {};
+  for (const Given& g : own->second) {
+    for (const FeatureId id : g.features) {
+      if (entries_[id.value].delivered_by != robot) lost.try_emplace(id, Redone{id, g.at, {}});
+    }
+  }
+  for (const auto& [other, answers] : given_) {
+    if (other == robot) continue;
+    for (const Given& g : answers) {
+      for (const FeatureId id : g.features) {
+        const auto it = lost.find(id);
+        if (it == lost.end()) continue;
+        Redone& redone = it->second;
+        if (g.at <= redone.inspected) {
+          // It had been done before, and that reached the station.
+          if (entries_[id.value].delivered_by == other) lost.erase(it);
+        } else if (!redone.again || g.at < *redone.again) {
+          redone.again = g.at;
+          redone.again_by = other;
+        }
+      }
+    }
+  }
+  std::vector<Redone> all;
+  for (const auto& [id, redone] : lost) all.push_back(redone);
+  return all;
 }
 
 std::optional<SimTime> FeatureLedger::delivered_time(std::uint32_t count) const {

@@ -22,7 +22,7 @@ class FeatureLedger {
  public:
   struct Entry {
     std::optional<SimTime> sighted, inspected, delivered;
-    RobotId sighted_by = kNoRobot, inspected_by = kNoRobot;
+    RobotId sighted_by = kNoRobot, inspected_by = kNoRobot, delivered_by = kNoRobot;
   };
   struct AreaCounts {
     std::uint32_t real = 0, empty = 0, duplicate = 0;
@@ -43,6 +43,16 @@ class FeatureLedger {
   /// are no inspection.
   Receipt received(const store::Record& record, SimTime now);
 
+  /// What `robot` had inspected and what never reached the station from it: its work that was lost
+  /// with it. `again`: who inspected the feature later, if anybody did.
+  struct Redone {
+    FeatureId feature;
+    SimTime inspected;
+    std::optional<SimTime> again;
+    RobotId again_by = kNoRobot;
+  };
+  std::vector<Redone> lost_with(RobotId robot) const;
+
   const Entry& entry(std::size_t feature) const { return entries_[feature]; }
   std::size_t total() const { return entries_.size(); }
   std::uint32_t count_sighted() const { return sighted_; }
@@ -56,6 +66,7 @@ class FeatureLedger {
 
  private:
   struct Given {
+    SimTime at;
     std::vector<FeatureId> features;
     std::uint64_t payload_hash = 0;
   };

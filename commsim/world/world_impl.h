@@ -70,6 +70,7 @@ struct World::Impl {
   void event(const char* what, nlohmann::json details, SimTime at);
   void violation(const std::string& what);
   void record_answer(RobotId by, const InspectionCamera::Answer& answer);
+  nlohmann::json features_redone() const;
   bool home() const;
   bool all_landed() const;
   bool parked(const Robot& r) const;

@@ -78,6 +78,24 @@ bool World::Impl::all_landed() const {
          std::all_of(robots.begin(), robots.end(), [&](const Robot& r) { return parked(r); });
 }
 
+/// What was inspected by robots that died for good and never told: that had to be, or has to be,
+/// done again.
+nlohmann::json World::Impl::features_redone() const {
+  auto all = nlohmann::json::array();
+  for (const Robot& robot : robots) {
+    if (robot.alive) continue;
+    for (const FeatureLedger::Redone& r : ledger.lost_with(robot.config.id)) {
+      all.push_back(
+          {{"feature", r.feature.value},
+           {"lost_with", robot.config.id.value},
+           {"inspected_s", in_s(r.inspected)},
+           {"again_s", seconds(r.again)},
+           {"again_by", r.again ? nlohmann::json(r.again_by.value) : nlohmann::json(nullptr)}});
+    }
+  }
+  return all;
+}
+
 void World::station_received(const store::Record& record, mission::MessageClass cls) {
   Impl& w = *impl_;
   try {
@@ -172,6 +190,7 @@ nlohmann::json World::summary() const {
     s["robots_lost"].push_back(
         {{"robot", l.robot.value}, {"t_s", in_s(l.at)}, {"revived_s", seconds(l.revived)}});
   }
+  s["features_redone"] = w.features_redone();
   s["robots"] = nlohmann::json::array();
   for (std::size_t i = 0; i < w.robots.size(); ++i) {
     const Impl::Robot& r = w.robots[i];

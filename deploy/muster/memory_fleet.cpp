@@ -20,7 +20,10 @@ MemoryFleet::MemoryFleet(const mission::Mission& mission,
       world_(mission_, scene),
       relay_(mission_, scene),
       flight_(mission_, world_, config) {
-  if (!out_.empty()) relay_.log_to(out_ + "/air.csv");
+  if (!out_.empty()) {
+    relay_.log_to(out_ + "/air.csv");
+    relay_.judge_journals_in(out_);
+  }
   for (const mission::RobotConfig& robot : mission_.fleet) start(robot.id);
 }
 

@@ -34,6 +34,25 @@ std::string lost(const json& summary) {
   return all;
 }
 
+std::string redone(const json& summary) {
+  const auto found = summary.find("features_redone");
+  if (found == summary.end() || !found->is_array() || found->empty()) return "none";
+  std::string all;
+  std::size_t open = 0;
+  for (const json& f : *found) {
+    all += fmt::format("{}{}", all.empty() ? "" : ", ", f.value("feature", 0u));
+    open += f.contains("again_s") && f["again_s"].is_null() ? 1 : 0;
+  }
+  return open == 0 ? all : fmt::format("{}; {} of them not yet", all, open);
+}
+
+std::string forgotten(const json& summary) {
+  const auto found = summary.find("records_lost");
+  if (found == summary.end() || !found->is_object()) return "–";
+  return fmt::format("{} that a robot had promised to hold, by {} journals",
+                     found->value("count", 0u), found->value("journals", 0u));
+}
+
 }  // namespace
 
 void add_cost(json& summary, const Cost& cost, std::size_t robots) {
@@ -72,6 +91,8 @@ std::string summary_table(const json& s) {
       fmt::format("{}   nearest robots {}   nearest surface {}", number(s, "collisions", 0),
                   number(s, "min_separation_m", 2, " m"), number(s, "min_clearance_m", 2, " m")));
   row("robots lost", lost(s));
+  row("records lost", forgotten(s));
+  row("done again", redone(s));
   row("speed",
       fmt::format("{}× real time, {} of CPU per robot and second, {} per agent",
                   number(s, "real_time_factor", 1), number(s, "cpu_ms_per_robot_s", 1, " ms"),

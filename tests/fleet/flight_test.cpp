@@ -117,6 +117,11 @@ TEST_CASE("robots and station that die come back with what they kept, the same o
   CHECK(mixed["collisions"] == 0);
   REQUIRE(mixed["robots_lost"].size() == 5);
   for (const auto& lost : mixed["robots_lost"]) CHECK_FALSE(lost["revived_s"].is_null());
+  // By the journals that the dead left behind and those of the end, against all that was said.
+  for (const auto& summary : {memory, mixed}) {
+    CHECK(summary["records_lost"]["count"] == 0);
+    CHECK(summary["records_lost"]["journals"] == 5);
+  }
   for (const char* log : {"gcs-1", "agent-2", "agent-3", "agent-4", "agent-5"}) {
     CAPTURE(log);
     const std::string file = place / fmt::format("mixed/logs/{}.log", log);

@@ -96,6 +96,36 @@ TEST_CASE("an image the world never gave is refused") {
   CHECK(ledger.count_delivered() == 0);
 }
 
+TEST_CASE("what a robot inspected and took with it is what has to be done again") {
+  FeatureLedger ledger(three_features());
+  const RobotId gone{3}, other{4};
+  const auto told = found({0}, kImage), untold = found({1, 2}, kImage);
+  ledger.answered(gone, told, SimTime::from_s(10));
+  for (const auto& record : records(gone, told)) ledger.received(record, SimTime::from_s(11));
+  ledger.answered(gone, untold, SimTime::from_s(20));
+  CHECK(ledger.lost_with(other).empty());
+  ledger.answered(other, found({2}, kImage), SimTime::from_s(40));
+  ledger.answered(other, found({2}, kImage), SimTime::from_s(50));
+  const auto lost = ledger.lost_with(gone);
+  REQUIRE(lost.size() == 2);
+  CHECK(lost[0].feature == FeatureId{1});
+  CHECK(lost[0].inspected == SimTime::from_s(20));
+  CHECK_FALSE(lost[0].again);
+  CHECK(lost[1].feature == FeatureId{2});
+  CHECK(lost[1].again == SimTime::from_s(40));
+  CHECK(lost[1].again_by == other);
+}
+
+TEST_CASE("what somebody else had delivered from an earlier look need not be done again") {
+  FeatureLedger ledger(three_features());
+  const RobotId gone{3}, other{4};
+  const auto first = found({0}, kImage);
+  ledger.answered(other, first, SimTime::from_s(10));
+  ledger.answered(gone, found({0}, kImage), SimTime::from_s(20));
+  for (const auto& record : records(other, first)) ledger.received(record, SimTime::from_s(30));
+  CHECK(ledger.lost_with(gone).empty());
+}
+
 TEST_CASE("areas are counted as true, false and duplicate") {
   FeatureLedger ledger(three_features());
   ledger.answered(kInspector, found({0}, kImage), {});
