@@ -1,7 +1,9 @@
 #include "commsim/world/lockstep_runner.h"
 
+#include <algorithm>
 #include <chrono>
 #include <future>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -115,8 +117,9 @@ class LockstepRunner {
     std::optional<mission::Done> radio;  // of the tick before, once it is here
     for (std::uint64_t k = 0;; ++k) {
       log::set_time(time_of_tick(k));
-      if (k > 0 && has_script(k)) radio = radio_answers();
+      if (k > 0 && (has_script(k) || is_somebody_due(k))) radio = radio_answers();
       run_script(k);
+      restart_due(k);
       const mission::Truth truth = write_measurements(k);
       // The radio decides on tick k−1 while the world measures tick k.
       if (k > 0 && !radio) radio = radio_answers();
@@ -167,12 +170,30 @@ class LockstepRunner {
         flight().robot_lost(event.robot, "scripted");
         world().set_alive(event.robot, false);
       } else if (event.verb == "revive" && !lives) {
-        barrier_.expect(event.robot);
-        control_.tell({{"revive", event.robot.value}});
-        barrier_.await_back(event.robot);
-        flight().robot_back(event.robot);
-        world().set_alive(event.robot, true);
+        revive(event.robot);
       }
+    }
+  }
+
+  /// The clock stands until it is matched everywhere.
+  void revive(RobotId robot) {
+    barrier_.expect(robot);
+    control_.tell({{"revive", robot.value}});
+    barrier_.await_back(robot);
+    flight().robot_back(robot);
+    world().set_alive(robot, true);
+    back_.erase(robot);
+  }
+
+  bool is_somebody_due(std::uint64_t k) const {
+    return std::ranges::any_of(back_, [&](const auto& b) { return b.second <= time_of_tick(k); });
+  }
+
+  /// Of those whose process ended without the script.
+  void restart_due(std::uint64_t k) {
+    const std::map<RobotId, SimTime> back = back_;
+    for (const auto& [robot, at] : back) {
+      if (at <= time_of_tick(k) && !barrier_.alive().contains(robot)) revive(robot);
     }
   }
 
@@ -190,6 +211,8 @@ class LockstepRunner {
     for (RobotId robot : barrier_.take_lost()) {
       flight().robot_lost(robot, control_.how_lost(robot));
       world().set_alive(robot, false);
+      if (options_.restart_s > 0)
+        back_[robot] = flight().now() + Duration::from_s(options_.restart_s);
     }
   }
 
@@ -206,6 +229,7 @@ class LockstepRunner {
   const mission::Mission mission_;
   dds::WorldLockstep barrier_;
   double load_s_ = 0;
+  std::map<RobotId, SimTime> back_;  // when who died by itself is to be started again
   std::future<std::unique_ptr<Loaded>> world_;
   std::unique_ptr<Loaded> loaded_;
 };

@@ -30,6 +30,9 @@ int main(int argc, char** argv) {
     app.add_option("--duration", options.duration_s,
                    "end after this many simulated seconds; 0: when the mission ends");
     app.add_option("--speed", options.speed, "times real time; 0: as fast as everyone can");
+    app.add_option("--restart", options.restart_s,
+                   "a robot whose process ended by itself is started again after this many "
+                   "simulated seconds; 0: never");
     app.add_flag("--trace", options.trace,
                  "write trace.csv: per tick, what each process's part of the trace was");
     app.add_flag("--direct", direct, "no barrier: everyone on their own clock, as in the field");

@@ -19,8 +19,9 @@ namespace muster::world {
 /// How a process of `muster-world` is asked to run.
 struct RunnerOptions : HubOptions {
   double duration_s = 0;
-  double speed = 0;    ///< 0: as fast as possible
-  bool trace = false;  ///< write trace.csv
+  double speed = 0;      ///< 0: as fast as possible
+  bool trace = false;    ///< write trace.csv
+  double restart_s = 0;  ///< who died by itself is started again after so long; 0: never
 };
 
 /// The world's end of the conversation with `muster run`, one JSON object a line:

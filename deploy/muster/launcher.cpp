@@ -137,6 +137,8 @@ class Launcher {
                            fmt::format("{}", options_.speed_factor())});
     if (direct()) all.push_back("--direct");
     if (options_.trace) all.push_back("--trace");
+    if (options_.restart_s > 0)
+      all.insert(all.end(), {"--restart", fmt::format("{}", options_.restart_s)});
     return all;
   }
 

@@ -90,6 +90,9 @@ void add_run_command(CLI::App& app, Action& action) {
   command->add_option("--domain", o->domain,
                       "DDS domain of the bus, the radio uses the next one (default: a free one)");
   command->add_option("--duration", o->duration_s, "stop after this many simulated seconds");
+  command->add_option("--restart", o->restart_s,
+                      "start a robot whose process died by itself again after this many simulated "
+                      "seconds; it goes on with what its journal kept (default: never)");
   command->add_flag("--trace", o->trace,
                     "write trace.csv: compare two to see the tick and process where they part");
   command->add_flag("--capture", o->capture,

@@ -31,6 +31,10 @@ double RunOptions::speed_factor() const {
 void RunOptions::validate(const mission::Mission& mission) const {
   if (!std::isfinite(duration_s) || duration_s < 0)
     throw BadInput("--duration: must be a number of seconds, 0 or more");
+  if (!std::isfinite(restart_s) || restart_s < 0)
+    throw BadInput("--restart: must be a number of seconds, 0 or more");
+  if (restart_s > 0 && (transport == "memory" || link == "direct"))
+    throw BadInput("--restart: needs --transport dds and --link radio");
   if (link == "direct" && transport == "memory") {
     throw BadInput("--link direct: needs processes of their own, so --transport dds");
   }

@@ -25,6 +25,7 @@ struct RunOptions {
   bool out_is_new = false;              ///< made for this run
   std::optional<std::uint32_t> domain;  ///< of the bus; over DDS, a free one once it is chosen
   double duration_s = 0;
+  double restart_s = 0;  ///< who died by itself is started again after so long; 0: never
   bool print_config = false;
   bool trace = false;
   bool json = false;

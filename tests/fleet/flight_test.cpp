@@ -10,9 +10,12 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 namespace fs = std::filesystem;
@@ -151,6 +154,91 @@ TEST_CASE("every kind of fault, the same over DDS, and nobody touches anything")
   const std::string log = place / "mixed/logs/agent-3.log";
   CHECK(shell("grep 'disk is full; flying on' " + log).status == 0);
   CHECK(shell("grep 'written again, and up to date' " + log).status == 0);
+}
+
+TEST_CASE("robots and station killed by SIGKILL from outside are started again and go on") {
+  const Place place;
+  const pid_t launcher = fork();
+  if (launcher == 0) {
+    const std::string line = fmt::format(
+        "exec timeout 250 {} run {} --seed 1 --duration 90 --speed 12 --restart 3 "
+        "--no-report --out {} > {}.out 2>&1",
+        kMuster, kPagoda, place / "run", place / "run");
+    execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
+    _exit(127);
+  }
+  // Each when it has something to lose; by its number in the order of starting, oldest first.
+  const auto flown_s = [&] {
+    const Ended last = shell(fmt::format("tail -n 1 {}", place / "run/tracks.csv"));
+    return last.status == 0 ? std::atof(last.output.c_str()) : 0.0;
+  };
+  const auto kill_when = [&](double t_s, int robot) {
+    for (int i = 0; i < 4000 && flown_s() < t_s; ++i) usleep(20'000);
+    REQUIRE(flown_s() >= t_s);
+    CHECK(shell(fmt::format("pkill -KILL -f -- '--out {} .*--id {}( |$)'", place / "run", robot))
+              .status == 0);
+  };
+  kill_when(10, 3);
+  kill_when(20, 1);
+  kill_when(30, 2);
+  kill_when(40, 5);
+  int status = 0;
+  waitpid(launcher, &status, 0);
+  INFO(shell("tail -n 30 " + (place / "run.out")).output);
+  CHECK(WEXITSTATUS(status) == 3);
+  const auto summary = summary_of(place / "run");
+  CHECK(summary["ended"] == "duration reached");
+  CHECK(summary["collisions"] == 0);
+  CHECK(summary["records_lost"]["count"] == 0);
+  CHECK(summary["records_lost"]["journals"] == 5);
+  CHECK(summary["features_redone"].empty());
+  REQUIRE(summary["robots_lost"].size() == 4);
+  for (const auto& lost : summary["robots_lost"]) {
+    CHECK(lost["how"] == "killed by signal 9");
+    CHECK_FALSE(lost["revived_s"].is_null());
+  }
+  for (const char* log : {"gcs-1", "agent-2", "agent-3", "agent-5"}) {
+    CAPTURE(log);
+    const std::string file = place / fmt::format("run/logs/{}.log", log);
+    CHECK(shell("grep -E 'goes on with [1-9][0-9]* records' " + file).status == 0);
+  }
+  CHECK(summary["map_coverage"].get<double>() > 0.2);
+}
+
+TEST_CASE(
+    "what a robot that never comes back had inspected and told nobody is named as to be redone") {
+  const Place place;
+  const auto fly = [&](const std::string& name, const std::string& how) {
+    const Ended run = shell(fmt::format(
+        "timeout 250 {} run {} --seed 1 --duration 150 --transport memory --no-report --out {} {}",
+        kMuster, kPagoda, place / name, how));
+    INFO(run.output);
+    CHECK(run.status == 3);
+  };
+  fly("whole", "");
+  // An inspection whose inspector took it along for a while before it met anybody.
+  std::map<int, nlohmann::json> carried;
+  std::optional<nlohmann::json> prey;
+  std::ifstream events(place / "whole/events.jsonl");
+  for (std::string line; !prey && std::getline(events, line);) {
+    const auto event = nlohmann::json::parse(line);
+    if (event["event"] == "inspected") carried[event["feature"]] = event;
+    if (event["event"] != "delivered") continue;
+    const auto& from = carried.at(event["feature"]);
+    if (event["t_s"].get<double>() - from["t_s"].get<double>() > 1) prey = from;
+  }
+  REQUIRE(prey);
+  std::ofstream(place / "faults.yaml")
+      << fmt::format("script: [{{at_s: {}, verb: kill, robot: {}}}]\n",
+                     (*prey)["t_s"].get<double>() + 0.1, (*prey)["robot"].get<int>());
+  fly("lost", "--faults " + (place / "faults.yaml"));
+  const auto summary = summary_of(place / "lost");
+  REQUIRE(summary["robots_lost"].size() == 1);
+  CHECK(summary["robots_lost"][0]["revived_s"].is_null());
+  CHECK(summary["records_lost"]["count"] == 0);
+  REQUIRE(summary["features_redone"].size() == 1);
+  CHECK(summary["features_redone"][0]["feature"] == (*prey)["feature"]);
+  CHECK(summary["features_redone"][0]["lost_with"] == (*prey)["robot"]);
 }
 
 TEST_CASE("without the simulated radio robots hear each other, and the station's map grows") {
