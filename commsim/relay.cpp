@@ -179,9 +179,7 @@ struct Relay::Impl {
                Outcome& out) {
     delivered.add(message.cdr.size());
     if (log) log->heard(from, to, message.cdr.size());
-    if (message.cls == mission::MessageClass::kBeacon) {
-      contacts.beacon_heard(places[from].robot, places[to].robot, now);
-    }
+    contacts.heard(places[from].robot, places[to].robot, message, now);
     out.deliveries[places[to].robot].push_back(message);
   }
 
@@ -265,6 +263,7 @@ Relay::Outcome Relay::step(const mission::Truth& truth,
     for (auto& [to, messages] : out.deliveries) dds::sort_messages(messages);
   }
   out.trace = trace.value();
+  out.met = impl_->contacts.take_meetings();
   return out;
 }
 

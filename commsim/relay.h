@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/mission/messages.h"
@@ -33,6 +34,7 @@ class Relay {
     std::map<RobotId, std::vector<mission::Message>>
         deliveries;           ///< per destination, in (src, n) order, to be heard in tick k + 1
     std::uint64_t trace = 0;  ///< sends and deliveries with reasons of this tick
+    std::vector<std::pair<RobotId, RobotId>> met;  ///< who met in this tick (Contacts)
   };
   /// `sent`: everything sent on air in this tick, per sender's partition; refuses (and counts)
   /// messages whose envelope is not the sender's or not of an air topic. Dead is who was set so, or
@@ -50,9 +52,12 @@ class Relay {
   void finish();
   /// `{"air": {messages, bytes, delivered, delivered_bytes, refused, dropped: {reason: n},
   /// by_mesh, by_topic: {topic: {messages, bytes}}},
-  ///   "contacts": [{"robots": [a, b], "seconds", "intervals": [[from_s, until_s], …]}]}`.
-  /// And `records_lost` of Promises, null where no journals are judged.
-  /// A contact lasts from the first beacon heard, either way, until none was heard for 1 s.
+  ///   "contacts": [{"robots": [a, b], "seconds", "intervals": [[from_s, until_s], …], "meetings",
+  ///   "bytes", "map_bytes", "data_seconds"}]}`,
+  /// and `records_lost` of Promises, null where no journals are judged.
+  /// A contact lasts from the first beacon heard, either way, until none was heard for 1 s; one
+  /// after more than 30 s apart is a meeting. `bytes`: heard, both ways; `data_seconds`: of the
+  /// contact, in which anything but beacons came through.
   nlohmann::json summary() const;
 
  private:

@@ -1,6 +1,7 @@
 #include "gcs/station.h"
 
 #include "common/robot/robot.h"
+#include "gcs/contact_log.h"
 #include "gcs/results_db.h"
 #include "gcs/strategy/slei3d_station.h"
 
@@ -12,11 +13,20 @@ class Station : public robot::Robot {
  public:
   using robot::Robot::Robot;
 
+  mission::StepOutput step(const mission::StepInput& input) override {
+    mission::StepOutput output = robot::Robot::step(input);
+    contacts_.update(knowledge());
+    return output;
+  }
+
   void finish(const std::string& dir) override {
     robot::Robot::finish(dir);
-    write_results(knowledge(), dir + "/station.db");
+    write_results(knowledge(), contacts_.contacts(), dir + "/station.db");
     knowledge().map().write_bt(dir + "/map.bt");
   }
+
+ private:
+  ContactLog contacts_;
 };
 
 }  // namespace

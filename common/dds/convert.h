@@ -31,10 +31,10 @@ template <RecordBody T>
 store::Record encode_record(const store::RecordHeader& header, const T& body);
 /// The body, from the author's bytes.
 template <RecordBody T>
-T decode_body(const store::Record& record);
+T decode_body(const store::RecordView& record);
 
 /// A record under a fresh envelope, its bytes untouched; and back.
-mission::Message wrap(const mission::Envelope& envelope, const store::Record& record);
+mission::Message wrap(const mission::Envelope& envelope, const store::RecordView& record);
 store::Record unwrap(const mission::Message& message);
 /// Only whose record it is and which; the body is not looked at. Throws BadInput.
 store::RecordHeader peek_header(const mission::Message& message);

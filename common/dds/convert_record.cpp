@@ -147,7 +147,7 @@ store::Record encode_record_as(mission::MessageClass cls, const store::RecordHea
 }
 
 template <class W, class P>
-P decode_body_as(mission::MessageClass cls, const store::Record& record) try {
+P decode_body_as(mission::MessageClass cls, const store::RecordView& record) try {
   if (mission::message_class(record.header.cls) != cls) throw BadInput("a record of another class");
   Bytes payload;
   payload.reserve(kEnvelope + record.bytes.size());
@@ -170,7 +170,7 @@ P decode_body_as(mission::MessageClass cls, const store::Record& record) try {
     return encode_record_as<air::Name>(mission::MessageClass::k##Name, header, body);         \
   }                                                                                           \
   template <>                                                                                 \
-  mission::Name decode_body(const store::Record& record) {                                    \
+  mission::Name decode_body(const store::RecordView& record) {                                \
     return decode_body_as<air::Name, mission::Name>(mission::MessageClass::k##Name, record);  \
   }
 
@@ -181,7 +181,7 @@ MUSTER_RECORD(Plan)
 MUSTER_RECORD(Meeting)
 MUSTER_RECORD(Status)
 
-mission::Message wrap(const mission::Envelope& envelope, const store::Record& record) {
+mission::Message wrap(const mission::Envelope& envelope, const store::RecordView& record) {
   const mission::MessageClass cls = mission::message_class(record.header.cls);
   wire::Envelope w;
   fields(ToWire{}, w, envelope);

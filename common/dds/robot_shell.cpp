@@ -137,7 +137,6 @@ int run_robot(const RobotShellOptions& options, bool station, const MakeProcess&
   const std::uint64_t after = journal ? journal->epoch() + 1 : 0;
   const std::unique_ptr<mission::Process> process =
       make_process(mission.without_script(), self, std::max(epoch_of(options), after));
-  process->keep_in(options.out);
   store::Journal* const kept = journal.get();  // the process owns it from here
   if (journal) process->keep(std::move(journal));
   try {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -36,12 +37,12 @@ class Process {
   virtual ~Process() = default;
   virtual RobotId id() const = 0;
   virtual StepOutput step(const StepInput& input) = 0;
-  /// Called at most once, before the first step: `dir` takes what need not be in memory. Changes
-  /// nothing that the process does.
-  virtual void keep_in(const std::string& dir) { static_cast<void>(dir); }
   /// Called once before the first step, when what the process acknowledges is to be kept: it goes
   /// on with what the journal holds, and commits to it in every step before it answers.
   virtual void keep(std::unique_ptr<store::Journal>) {}
+  /// What it would cost to send, at once, all that it knows of the place: for comparison, never
+  /// decided upon.
+  virtual std::size_t whole_map_bytes() const { return 0; }
   /// Called once after the last step: write files (map.bt, station.db) into `dir`.
   virtual void finish(const std::string& dir) = 0;
 };

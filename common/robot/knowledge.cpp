@@ -83,7 +83,7 @@ bool Knowledge::receive(RobotId from, std::uint64_t n, store::Record record) {
   const store::RecordHeader header = record.header;
   if (exchange_.on_record(from, n, std::move(record), now_) != store::Merged::kNew) return false;
   if (const store::Record* held = store_.find(header.author.robot, header.cls, header.key))
-    ingest(store_.whole(*held));
+    ingest(*held);  // its bytes are in memory until they are journalled
   return true;
 }
 

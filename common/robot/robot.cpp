@@ -5,6 +5,7 @@
 
 #include "common/core/log.h"
 #include "common/robot/stopwatch.h"
+#include "common/robot/whole_map.h"
 
 namespace muster::robot {
 namespace {
@@ -59,14 +60,6 @@ mission::StepOutput Robot::step(const mission::StepInput& input) {
   return output;
 }
 
-void Robot::keep_in(const std::string& dir) {
-  try {
-    knowledge_.store().keep_on(std::make_unique<store::Shelf>(dir));
-  } catch (const Failure& e) {
-    log::warn("all stays in memory: {}", e.what());
-  }
-}
-
 void Robot::keep(std::unique_ptr<store::Journal> journal) {
   journal_ = std::move(journal);
   if (journal_->epoch() == 0) return;
@@ -84,6 +77,8 @@ void Robot::commit() {
   }
   journal_->commit(knowledge_.store());
 }
+
+std::size_t Robot::whole_map_bytes() const { return robot::whole_map(knowledge_.map()).size(); }
 
 void Robot::finish(const std::string&) {}
 
@@ -185,14 +180,22 @@ void Robot::send_bus(Executive::Commands commands, mission::StepOutput& output) 
   }
 }
 
+void Robot::send_record(std::uint64_t n, const store::Record& record,
+                        mission::StepOutput& output) try {
+  const store::RecordView view = knowledge_.store().read(record, body_);
+  const mission::MessageClass cls = mission::message_class(record.header.cls);
+  output.air.push_back(dds::wrap({n, knowledge_.self(), cls, knowledge_.now()}, view));
+} catch (const Failure& e) {
+  // As if it were lost on the way.
+  log::error("a record is not sent: {}", e.what());
+}
+
 void Robot::send_air(mission::StepOutput& output) {
   const SimTime now = knowledge_.now();
   for (const auto& action :
        knowledge_.exchange().step(now, kAirBudget_bytes, [this] { return ++sent_n_; })) {
     if (action.record) {
-      const mission::MessageClass cls = mission::message_class(action.record->header.cls);
-      output.air.push_back(dds::wrap({action.n, knowledge_.self(), cls, now},
-                                     knowledge_.store().whole(*action.record)));
+      send_record(action.n, *action.record, output);
     } else if (action.end) {
       const mission::Envelope e{action.n, knowledge_.self(), mission::MessageClass::kExchangeEnd,
                                 now};

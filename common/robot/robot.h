@@ -24,8 +24,8 @@ class Robot : public mission::Process {
 
   RobotId id() const override { return knowledge_.self(); }
   mission::StepOutput step(const mission::StepInput& input) override;
-  void keep_in(const std::string& dir) override;
   void keep(std::unique_ptr<store::Journal> journal) override;
+  std::size_t whole_map_bytes() const override;
   void finish(const std::string& dir) override;
 
   const Knowledge& knowledge() const { return knowledge_; }
@@ -39,6 +39,7 @@ class Robot : public mission::Process {
   void take_request(const mission::OperatorRequest& request);
   void send_bus(Executive::Commands commands, mission::StepOutput& output);
   void send_air(mission::StepOutput& output);
+  void send_record(std::uint64_t n, const store::Record& record, mission::StepOutput& output);
   void commit();
   mission::Beacon beacon();
   mission::Envelope envelope(mission::MessageClass cls);
@@ -49,6 +50,7 @@ class Robot : public mission::Process {
   Executive executive_;
   MapSharer map_sharer_;
   std::unique_ptr<store::Journal> journal_;
+  Bytes body_;                     // of a record that is on its way from the journal to the radio
   std::uint64_t kept_blocks_ = 0;  // cursor of the own map's changes
   SimTime keep_blocks_;
   Intent intent_;

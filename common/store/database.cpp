@@ -61,10 +61,19 @@ std::string Database::Statement::text(int column) const {
 }
 
 Bytes Database::Statement::blob(int column) const {
+  Bytes bytes;
+  blob(column, bytes);
+  return bytes;
+}
+
+void Database::Statement::blob(int column, Bytes& into) const {
   const auto* data =
       static_cast<const std::uint8_t*>(sqlite3_column_blob(statement_.get(), column));
   const int size = sqlite3_column_bytes(statement_.get(), column);
-  return data ? Bytes(data, data + size) : Bytes();
+  if (data)
+    into.assign(data, data + size);
+  else
+    into.clear();
 }
 
 void Database::Statement::bind(int at, double v) {

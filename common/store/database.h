@@ -46,6 +46,7 @@ class Database {
     std::uint64_t number(int column) const { return static_cast<std::uint64_t>(integer(column)); }
     std::string text(int column) const;
     Bytes blob(int column) const;
+    void blob(int column, Bytes& into) const;
 
    private:
     friend class Database;

@@ -69,7 +69,7 @@ class Exchange {
   // ---- to send
   struct Action {
     std::uint64_t n = 0;             ///< the envelope's number, taken from `next_n`
-    const Record* record = nullptr;  ///< to be sent `whole`; good until the store changes
+    const Record* record = nullptr;  ///< to be `read` and sent; good until the store changes
     std::optional<ExchangeEnd> end;  ///< or an end
   };
   using NextN = std::function<std::uint64_t()>;

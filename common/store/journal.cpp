@@ -66,6 +66,8 @@ struct Journal::Statements {
         stream(db.prepare("INSERT OR REPLACE INTO streams VALUES(?,?,?,?,?)")),
         block(db.prepare("INSERT OR REPLACE INTO blocks VALUES(?,?)")),
         epoch(db.prepare("UPDATE journal SET epoch = ?")),
+        body(db.prepare("SELECT bytes FROM records WHERE robot = ? AND class = ? AND key = ? AND "
+                        "epoch = ? AND seq = ?")),
         // What a newer start of its author voids.
         void_older(db.prepare(
             "DELETE FROM records WHERE class IN (2, 4, 6) AND epoch < "
@@ -75,9 +77,9 @@ struct Journal::Statements {
   }
   /// Lets go of what is bound, so that nothing keeps the file busy.
   void reset() {
-    for (auto* s : {&record, &stream, &block, &epoch, &void_older}) s->reset();
+    for (auto* s : {&record, &stream, &block, &epoch, &body, &void_older}) s->reset();
   }
-  Database::Statement record, stream, block, epoch, void_older;
+  Database::Statement record, stream, block, epoch, body, void_older;
 };
 
 Journal::Journal(const std::string& path, RobotId robot, Durability durability) : path_(path) {
@@ -158,7 +160,9 @@ void Journal::restore(RecordStore& store, const std::function<void(const Record&
     h.stamp = SimTime{rows.integer(5)};
     h.signature = rows.blob(6);
     if (store.merge({h, rows.blob(7)}) != Merged::kNew) continue;
-    take(store.whole(*store.find(h.author.robot, h.cls, h.key)));
+    const Record& held = *store.find(h.author.robot, h.cls, h.key);
+    take(held);
+    store.kept(held, *this);
   }
   auto streams = db_->prepare("SELECT robot, class, epoch, complete, seen FROM streams");
   while (streams.step()) {
@@ -166,6 +170,10 @@ void Journal::restore(RecordStore& store, const std::function<void(const Record&
                       static_cast<RecordClass>(streams.integer(1)), streams.number(2)};
     store.resume(id, streams.number(3), decode(streams.blob(4)));
   }
+  // None of it has to be written again.
+  for (std::uint32_t c = 1; c <= kRecordClasses; ++c)
+    store.changes(static_cast<RecordClass>(c), written_.changes[c - 1]);
+  written_.version = store.version();
 }
 
 void Journal::restore_blocks(const std::function<void(std::uint64_t, const Bytes&)>& take) {
@@ -179,7 +187,15 @@ bool Journal::has_news(const RecordStore& store) const {
   return store.version() != written_.version || store.epoch() != written_.epoch || !blocks_.empty();
 }
 
-void Journal::commit(const RecordStore& store) {
+void Journal::read(const RecordHeader& h, Bytes& into) const {
+  sql_->body.with(h.author.robot.value, static_cast<std::uint32_t>(h.cls), h.key, h.author.epoch,
+                  h.seq);
+  if (!sql_->body.step()) throw Failure("journal " + path_ + ": a record that was kept is gone");
+  sql_->body.blob(0, into);
+  sql_->body.reset();
+}
+
+void Journal::commit(RecordStore& store) {
   if (!has_news(store) || (!works_ && ++skip_ < kTryAgainAfter)) return;
   skip_ = 0;
   const Written before = written_;
@@ -189,6 +205,7 @@ void Journal::commit(const RecordStore& store) {
     if (disk_full_) throw Failure("database or disk is full");
     db_->execute("COMMIT");
     blocks_.clear();
+    for (const Record* record : fresh_) store.kept(*record, *this);
     if (!works_) log::info("journal {}: written again, and up to date", path_);
     works_ = true;
   } catch (const Failure& e) {
@@ -208,6 +225,7 @@ void Journal::commit(const RecordStore& store) {
 }
 
 void Journal::write(const RecordStore& store) {
+  fresh_.clear();
   if (store.epoch() != written_.epoch) sql_->epoch.with(store.epoch()).step();
   written_.epoch = store.epoch();
   std::uint64_t voided = 0;
@@ -218,8 +236,9 @@ void Journal::write(const RecordStore& store) {
       const RecordHeader& h = record->header;
       sql_->record
           .with(h.author.robot.value, c, h.key, h.author.epoch, h.seq, h.stamp.us, h.signature,
-                store.whole(*record).bytes)
+                record->bytes)
           .step();
+      fresh_.push_back(record);
     }
   }
   if (voided != written_.voided) sql_->void_older.with().step();

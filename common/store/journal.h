@@ -21,7 +21,9 @@ namespace muster::store {
 ///
 /// When the disk fails (full, gone), the robot flies on: that is said once, nothing that is in the
 /// file is lost, and the journal tries again every so often and then catches up.
-class Journal {
+///
+/// What is in the file need not be in memory: the store reads large bodies of results from here.
+class Journal : private Bodies {
  public:
   enum class Durability {
     kProcess,  ///< survives the process, in simulation
@@ -32,7 +34,7 @@ class Journal {
   /// `<path>.damaged`, never deleted, and a new one begun. Throws BadInput when it is the journal
   /// of somebody else, Failure when there can be none.
   Journal(const std::string& path, RobotId robot, Durability durability);
-  ~Journal();
+  ~Journal() override;
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
@@ -46,7 +48,7 @@ class Journal {
   std::uint64_t epoch() const { return epoch_; }
 
   /// Takes up what was kept: records in the order of their arrival, each handed to `take` once it
-  /// is in the store; then the promises about streams.
+  /// is in the store; then the promises about streams. Outlives the store's use, as in `commit`.
   void restore(RecordStore& store, const std::function<void(const Record&)>& take);
   /// Own map blocks, as `keep_block` was given them.
   void restore_blocks(const std::function<void(std::uint64_t key, const Bytes&)>& take);
@@ -54,7 +56,7 @@ class Journal {
   /// Own map evidence that nobody was told of yet; part of the next commit.
   void keep_block(std::uint64_t key, Bytes voxels);
   /// Everything that changed in `store` since the last commit, in one transaction. Never throws.
-  void commit(const RecordStore& store);
+  void commit(RecordStore& store);
   /// False while the disk refuses.
   bool works() const { return works_; }
   /// A fault of a simulation: from now on (or no longer) every commit fails as on a full disk.
@@ -64,6 +66,7 @@ class Journal {
   struct Statements;
 
   void open(RobotId robot, Durability durability);
+  void read(const RecordHeader& header, Bytes& into) const override;
   void write(const RecordStore& store);
   void write_streams(const RecordStore& store);
   bool has_news(const RecordStore& store) const;
@@ -73,6 +76,7 @@ class Journal {
   std::unique_ptr<Statements> sql_;
   std::uint64_t epoch_ = 0;
   std::map<std::uint64_t, Bytes> blocks_;  ///< waiting for the next commit
+  std::vector<const Record*> fresh_;       ///< written, but not committed yet
 
   /// How far the file is.
   struct Written {

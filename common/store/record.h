@@ -50,4 +50,13 @@ struct Record {
                 ///< envelope), without encapsulation
 };
 
+/// A record to be read, wherever its bytes are. Good as long as what it looks at.
+struct RecordView {
+  RecordView(const Record& record) : header(record.header), bytes(record.bytes) {}
+  RecordView(const RecordHeader& h, ByteView b) : header(h), bytes(b) {}
+
+  const RecordHeader& header;
+  ByteView bytes;
+};
+
 }  // namespace muster::store

@@ -20,7 +20,7 @@ bool is_class(RecordClass cls) {
 
 /// Bodies that nobody looks at until they are sent on, and too many to hold: a feature's image is
 /// 200 kB.
-bool is_for_the_shelf(const Record& record) {
+bool is_better_on_disk(const Record& record) {
   constexpr std::size_t kLarge_bytes = 1024;
   const RecordClass cls = record.header.cls;
   return record.bytes.size() > kLarge_bytes &&
@@ -41,7 +41,8 @@ std::uint64_t hash_record(const Record& record) {
 
 }  // namespace
 
-RecordStore::RecordStore(RobotId self, std::uint64_t epoch) : self_(self), epoch_(epoch) {}
+RecordStore::RecordStore(RobotId self, std::uint64_t epoch, Supersedes supersedes)
+    : self_(self), epoch_(epoch), supersedes_(supersedes) {}
 
 RecordHeader RecordStore::next_header(RecordClass cls, std::uint64_t key, SimTime now) const {
   MUSTER_CHECK(is_class(cls));
@@ -102,16 +103,16 @@ RecordStore::Merged RecordStore::put(Record record) {
   ClassRecords& records = of(h.cls);
   const auto [it, inserted] = records.by_name.try_emplace({h.author.robot, h.key});
   if (!inserted) {
-    const auto held = it->second->record.header.version();
-    if (held == h.version()) return Merged::kDuplicate;
-    if (held > h.version()) return Merged::kOlder;
+    const RecordHeader& held = it->second->record.header;
+    if (held.version() == h.version()) return Merged::kDuplicate;
+    if (!supersedes_(h, held)) return Merged::kOlder;
     forget(*it->second);
   }
   auto fresh = std::make_unique<Held>();
   fresh->hash = hash_record(record);
   fresh->change = ++last_change_;
+  fresh->size = record.bytes.size();
   fresh->record = std::move(record);
-  if (shelf_ && is_for_the_shelf(fresh->record)) shelve(*fresh);
   content_hash_ += fresh->hash;
   ++size_;
   ++version_;
@@ -121,23 +122,18 @@ RecordStore::Merged RecordStore::put(Record record) {
   return Merged::kNew;
 }
 
-void RecordStore::shelve(Held& held) {
-  held.place = shelf_->put(held.record.bytes);
-  if (held.place) Bytes().swap(held.record.bytes);  // gives the memory back; `= {}` keeps it
+void RecordStore::kept(const Record& record, const Bodies& bodies) {
+  if (!is_better_on_disk(record)) return;
+  Held& held = *of(record.header.cls).by_name.at({record.header.author.robot, record.header.key});
+  held.elsewhere = &bodies;
+  Bytes().swap(held.record.bytes);  // gives the memory back; `= {}` keeps it
 }
 
-const RecordStore::Held& RecordStore::held(const RecordHeader& h) const {
-  return *of(h.cls).by_name.at({h.author.robot, h.key});
-}
-
-Record RecordStore::whole(const Record& record) const {
-  const auto& place = held(record.header).place;
-  return place ? Record{record.header, shelf_->get(*place)} : record;
-}
-
-std::size_t RecordStore::size_of(const Record& record) const {
-  const auto& place = held(record.header).place;
-  return place ? place->size : record.bytes.size();
+RecordView RecordStore::read(const Record& record, Bytes& buffer) const {
+  const Bodies* elsewhere = at(record.header).elsewhere;
+  if (elsewhere == nullptr) return record;
+  elsewhere->read(record.header, buffer);
+  return {record.header, buffer};
 }
 
 void RecordStore::forget(const Held& held) {

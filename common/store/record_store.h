@@ -13,7 +13,6 @@
 
 #include "common/store/digest.h"
 #include "common/store/record.h"
-#include "common/store/shelf.h"
 
 namespace muster::store {
 
@@ -49,6 +48,14 @@ struct Stream {
   }
 };
 
+/// Where large bodies are that are not in memory (Journal).
+class Bodies {
+ public:
+  virtual ~Bodies() = default;
+  /// The bytes of a record that it said it has. Throws Failure when they cannot be read.
+  virtual void read(const RecordHeader& header, Bytes& into) const = 0;
+};
+
 /// Everything a robot knows: of every (robot, class, key) the newest version, in whatever order it
 /// arrived. Merging is commutative, associative and idempotent, so stores that have heard the same
 /// records are equal.
@@ -56,11 +63,14 @@ struct Stream {
 /// Not thread-safe. Pure: reads no clock.
 class RecordStore {
  public:
-  RecordStore(RobotId self, std::uint64_t epoch);
+  /// Of two records of one key: does `fresh` take the place of `held`?
+  using Supersedes = bool (*)(const RecordHeader& fresh, const RecordHeader& held);
+  static bool is_newer(const RecordHeader& fresh, const RecordHeader& held) {
+    return fresh.version() > held.version();
+  }
 
-  /// From now on, large bodies of results go to `shelf`; only `whole` has them. Without one, or
-  /// when it is full, everything stays in memory. Changes nothing else.
-  void keep_on(std::unique_ptr<Shelf> shelf) { shelf_ = std::move(shelf); }
+  /// Any other rule than `is_newer` loses records: tests break it, to see that they would notice.
+  RecordStore(RobotId self, std::uint64_t epoch, Supersedes supersedes = is_newer);
 
   RobotId self() const { return self_; }
   /// Of own records written from now on. Rises above any larger epoch of this robot that is heard:
@@ -85,12 +95,16 @@ class RecordStore {
   Merged merge(Record record);
 
   /// The newest version, or nullptr. Pointers stay good until their record is superseded or voided.
-  /// `bytes` is empty where the body is on the shelf.
+  /// `bytes` may be empty once the record is kept elsewhere: then only `read` has them.
   const Record* find(RobotId author, RecordClass cls, std::uint64_t key) const;
-  /// A held record with its bytes, wherever they are.
-  Record whole(const Record& held) const;
+  /// A held record with its bytes, wherever they are; `buffer` takes those that are not in memory.
+  /// Throws Failure when they cannot be read.
+  RecordView read(const Record& held, Bytes& buffer) const;
   /// How many bytes these are.
-  std::size_t size_of(const Record& held) const;
+  std::size_t size_of(const Record& held) const { return at(held.header).size; }
+  /// From now on `bodies`, which outlives this store's use, has the bytes of a held record: large
+  /// ones of results leave the memory. Changes nothing else.
+  void kept(const Record& held, const Bodies& bodies);
   /// All of a class, by (author, key).
   std::vector<const Record*> all(RecordClass cls) const;
   /// What became newest since `cursor` (0 at first), each record once, in the order of arrival;
@@ -127,7 +141,8 @@ class RecordStore {
     Record record;
     std::uint64_t hash = 0;
     std::uint64_t change = 0;
-    std::optional<Shelf::Place> place;  // of the record's bytes; nullopt: they are in the record
+    std::size_t size = 0;               // of the record's bytes
+    const Bodies* elsewhere = nullptr;  // who has them; nullptr: they are in the record
   };
   struct ClassRecords {
     std::map<Name, std::unique_ptr<Held>> by_name;
@@ -137,8 +152,9 @@ class RecordStore {
   static std::size_t index(RecordClass cls) { return static_cast<std::size_t>(cls) - 1; }
   ClassRecords& of(RecordClass cls) { return classes_[index(cls)]; }
   const ClassRecords& of(RecordClass cls) const { return classes_[index(cls)]; }
-  const Held& held(const RecordHeader& header) const;
-  void shelve(Held& held);
+  const Held& at(const RecordHeader& header) const {
+    return *of(header.cls).by_name.at({header.author.robot, header.key});
+  }
   bool is_voided(Author author, RecordClass cls) const;
   void hear_epoch(Author author);
   Merged put(Record record);
@@ -146,7 +162,7 @@ class RecordStore {
 
   RobotId self_;
   std::uint64_t epoch_;
-  std::unique_ptr<Shelf> shelf_;
+  Supersedes supersedes_;
   std::array<ClassRecords, kRecordClasses> classes_;
   std::array<std::uint64_t, kRecordClasses> keys_given_{};
   std::array<std::uint64_t, kRecordClasses> voided_{};

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,7 +35,18 @@ struct AirData {
     bool ever() const { return from_a.messages + from_b.messages > 0; }
   };
 
+  /// What meetings were for. Heard bytes count once per pair that heard them.
+  struct Meetings {
+    std::uint64_t count = 0;  ///< after more than 30 s apart; other contacts only go on
+    std::uint64_t bytes = 0, map_bytes = 0;  ///< heard
+    double together_s = 0, data_s = 0;       ///< pairs' contact, and that with more than beacons
+    std::uint64_t map_bytes_sent = 0;        ///< on air, whoever heard it
+    /// Had both sent, at each meeting, all that they knew of the place; --transport memory only.
+    std::optional<std::uint64_t> whole_map_bytes;
+  };
+
   RunData run;
+  Meetings meetings;
   std::vector<Pair> pairs;  ///< every pair that said something, ascending
   std::map<std::string, std::uint64_t> dropped() const;
   double step_s = 2;  ///< between moments

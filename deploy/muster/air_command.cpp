@@ -47,6 +47,30 @@ nlohmann::json way_json(const AirData::Way& way, std::uint32_t from, std::uint32
           {"moments", std::move(moments)}};
 }
 
+std::string meetings_text(const AirData::Meetings& m) {
+  if (m.count == 0 || m.together_s <= 0) return "";
+  std::string text = fmt::format(
+      "meetings: {}, {} heard in each, {} of it map; for {:.0f} % of the contact time records came "
+      "through\n",
+      m.count, size(m.bytes / m.count), size(m.map_bytes / m.count), 100 * m.data_s / m.together_s);
+  if (m.whole_map_bytes && m.map_bytes_sent > 0) {
+    text += fmt::format(
+        "map: {} sent; {} if both had sent all of theirs at each meeting, {:.1f} times as much\n",
+        size(m.map_bytes_sent), size(*m.whole_map_bytes),
+        static_cast<double>(*m.whole_map_bytes) / static_cast<double>(m.map_bytes_sent));
+  }
+  return text;
+}
+
+nlohmann::json meetings_json(const AirData::Meetings& m) {
+  nlohmann::json json{{"count", m.count},          {"bytes", m.bytes},
+                      {"map_bytes", m.map_bytes},  {"together_s", m.together_s},
+                      {"data_s", m.data_s},        {"map_bytes_sent", m.map_bytes_sent},
+                      {"whole_map_bytes", nullptr}};
+  if (m.whole_map_bytes) json["whole_map_bytes"] = *m.whole_map_bytes;
+  return json;
+}
+
 }  // namespace
 
 std::string air_table(const AirData& air) {
@@ -66,6 +90,7 @@ std::string air_table(const AirData& air) {
   }
   if (!never.empty()) text += fmt::format("never heard each other: {}\n", never);
   text += fmt::format("dropped in all: {}\n", reasons(air.dropped()));
+  text += meetings_text(air.meetings);
   return text;
 }
 
@@ -82,6 +107,7 @@ nlohmann::json air_json(const AirData& air) {
   return {{"end_s", air.run.end_s},
           {"moment_s", air.step_s},
           {"dropped", air.dropped()},
+          {"meetings", meetings_json(air.meetings)},
           {"pairs", std::move(pairs)}};
 }
 
@@ -95,7 +121,10 @@ void add_air_command(CLI::App& app) {
   command->footer(
       "Prints a table and draws DIR/air.html: a row per pair with its contacts and what was heard "
       "when.\n"
-      "together, contacts: as beacons were heard; apart: the longest time without.\n"
+      "together, contacts: as beacons were heard; apart: the longest time without. A contact after "
+      "more\n"
+      "than 30 s apart is a meeting; what sending whole maps would have cost is known after "
+      "--transport memory.\n"
       "Reasons: range (too far), wall, loss (faded, or drawn), airtime (the air was busy for too "
       "long),\n"
       "dead (one of the two was), and by the mission's script: jam, cut, paused, scripted "

@@ -8,6 +8,7 @@
 #include "deploy/muster/air.h"
 
 namespace fs = std::filesystem;
+using namespace nlohmann::literals;
 
 namespace muster::command {
 namespace {
@@ -102,6 +103,27 @@ void add_contacts(AirData& air) {
   }
 }
 
+/// As the radio counted them (commsim/relay.h).
+void add_meetings(AirData& air) {
+  AirData::Meetings& m = air.meetings;
+  const nlohmann::json& summary = air.run.summary;
+  try {
+    for (const auto& pair : summary.value("contacts", nlohmann::json::array())) {
+      m.count += pair.value("meetings", std::uint64_t{0});
+      m.bytes += pair.value("bytes", std::uint64_t{0});
+      m.map_bytes += pair.value("map_bytes", std::uint64_t{0});
+      m.together_s += pair.value("seconds", 0.0);
+      m.data_s += pair.value("data_seconds", 0.0);
+    }
+    m.map_bytes_sent =
+        summary.value("/air/by_topic/map_block/bytes"_json_pointer, std::uint64_t{0});
+    const auto whole = summary.value("/air/whole_map_bytes"_json_pointer, std::uint64_t{0});
+    if (whole > 0) m.whole_map_bytes = whole;
+  } catch (const nlohmann::json::exception&) {
+    air.run.notes.push_back("what summary.json says of the air is damaged");
+  }
+}
+
 }  // namespace
 
 std::map<std::string, std::uint64_t> AirData::dropped() const {
@@ -119,6 +141,7 @@ AirData read_air(const std::string& dir) {
   air.run = read_run(dir);
   read_csv(air, (fs::path(dir) / "air.csv").string());
   add_contacts(air);
+  add_meetings(air);
   return air;
 }
 

@@ -109,6 +109,14 @@ void MemoryFleet::step_robots(const std::vector<world::World::Samples>& samples)
   dds::sort_messages(commands_);
 }
 
+/// What a meeting would have cost if both had sent all that they know of the place.
+void MemoryFleet::count_whole_maps(std::initializer_list<RobotId> met) {
+  for (const RobotId id : met) {
+    const auto robot = robots_.find(id);
+    if (robot != robots_.end()) whole_map_bytes_ += robot->second->whole_map_bytes();
+  }
+}
+
 std::optional<std::string> MemoryFleet::tick() {
   run_script();
   const std::vector<world::World::Samples> samples = world_.begin_tick(k_);
@@ -119,6 +127,7 @@ std::optional<std::string> MemoryFleet::tick() {
 
   commsim::Relay::Outcome radio = relay_.step(truth, sent_);
   flight_.radio_done(radio.trace);
+  for (const auto& [a, b] : radio.met) count_whole_maps({a, b});
   arriving_ = std::move(radio.deliveries);
   world_.end_tick(k_, commands_);
   return flight_.end_reason(k_++, robots_.size());
@@ -131,6 +140,7 @@ nlohmann::json MemoryFleet::finish(const std::string& reason) {
   relay_.finish();
   nlohmann::json summary = flight_.finish(reason);
   summary.update(relay_.summary());
+  summary["air"]["whole_map_bytes"] = whole_map_bytes_;
   return summary;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -48,6 +49,7 @@ class MemoryFleet {
   void start(RobotId robot);
   void run_script();
   std::vector<mission::Message> take_air(RobotId robot);
+  void count_whole_maps(std::initializer_list<RobotId> met);
   void step_robots(const std::vector<world::World::Samples>& samples);
 
   const mission::Mission mission_;
@@ -65,7 +67,7 @@ class MemoryFleet {
       waiting_;   ///< what had arrived at who was paused then
   std::map<RobotId, std::vector<mission::Message>> sent_;
   std::vector<mission::Message> commands_;
-  std::uint64_t k_ = 0;
+  std::uint64_t k_ = 0, whole_map_bytes_ = 0;
 };
 
 }  // namespace muster::command

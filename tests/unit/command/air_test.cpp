@@ -64,6 +64,29 @@ TEST_CASE("the table says who heard whom, who never did, and why not") {
   CHECK_THAT(table, Contains("never heard each other: 0–4"));
 }
 
+TEST_CASE("meetings are told with their bytes, and the map against whole maps") {
+  const fs::path dir = a_run("meetings");
+  auto summary = nlohmann::json::parse(std::ifstream(dir / "summary.json"));
+  for (auto& pair : summary["contacts"]) {
+    pair["meetings"] = 4;
+    pair["bytes"] = 8'000'000;
+    pair["map_bytes"] = 100'000;
+    pair["seconds"] = 40.0;
+    pair["data_seconds"] = 10.0;
+  }
+  const auto pairs = summary["contacts"].size();
+  summary["air"]["by_topic"]["map_block"] = {{"bytes", 50'000}, {"messages", 200}};
+  std::ofstream(dir / "summary.json") << summary;
+  CHECK_THAT(air_table(read_air(dir.string())), !Contains("all of theirs"));
+  summary["air"]["whole_map_bytes"] = 600'000;
+  std::ofstream(dir / "summary.json") << summary;
+  const AirData air = read_air(dir.string());
+  CHECK_THAT(air_table(air), Contains("2000 kB heard in each, 25 kB of it map") &&
+                                 Contains("50 kB sent; 600 kB if both") && Contains("12.0 times") &&
+                                 Contains("for 25 % of the contact"));
+  CHECK(air_json(air)["meetings"]["count"] == 4 * pairs);
+}
+
 TEST_CASE("the page shows contacts and bytes, and needs no network") {
   const std::string page = air_page(read_air(a_run("page").string()));
   CHECK_THAT(page, Contains("in contact 2:00–2:12") && Contains("class=\"way-b\"") &&

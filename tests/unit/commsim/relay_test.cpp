@@ -244,6 +244,30 @@ TEST_CASE("contacts are the times in which beacons were heard") {
   CHECK(contacts[0]["seconds"].get<double>() == Approx(3.0 + 3.9));
 }
 
+TEST_CASE("who was apart for long meets anew, and a meeting's bytes are what came through") {
+  Relay relay(mission_of_three(), open_air);
+  const std::vector<Vec3> near{{0, 0, 1}, {1, 0, 1}, {100, 0, 1}},
+      far{{0, 0, 1}, {50, 0, 1}, {100, 0, 1}};
+  std::vector<std::uint64_t> met;
+  for (std::uint64_t k = 0; k < 500; ++k) {
+    const bool together = k < 10 || (k >= 30 && k < 40) || k >= 400;
+    const auto sent =
+        k % 2 == 0 ? std::vector{beacon(kA, k)} : std::vector{beacon(kA, k), end(kA, k + 1000)};
+    const auto outcome = relay.step(truth(k, together ? near : far), {{kA, sent}});
+    for (const auto& pair : outcome.met) {
+      CHECK(pair == std::pair(kA, kB));
+      met.push_back(k);
+    }
+  }
+  CHECK(met == std::vector<std::uint64_t>{0, 400});
+  const auto contact = relay.summary()["contacts"][0];
+  CHECK(contact["meetings"] == 2);
+  CHECK(contact["intervals"].size() == 3);
+  CHECK(contact["bytes"] == relay.summary()["air"]["delivered_bytes"]);
+  CHECK(contact["map_bytes"] == 0);
+  CHECK(contact["data_seconds"].get<double>() == Approx(6));
+}
+
 TEST_CASE("the trace tells any difference in what was sent or heard, and nothing else") {
   const auto trace = [&](const std::vector<Vec3>& places, const mission::Message& a,
                          const mission::Message& b) {

@@ -1,7 +1,5 @@
 #include "common/store/exchange.h"
 
-#include <rapidcheck.h>
-
 #include <catch2/catch.hpp>
 #include <cstdio>
 
@@ -21,50 +19,6 @@ int ticks_until_equal(Air& air, int limit) {
     air.tick();
   }
   return -1;
-}
-
-struct Verdict {
-  bool converged = false, true_to_digest = true;
-};
-
-/// Some seconds of bad weather drawn from `seed`, then a fair sky: whoever still lives is
-/// connected, in a chain at least.
-Verdict storm(std::uint64_t seed, bool single_number) {
-  Random random(seed, kNoRobot, "storm");
-  const auto robots = static_cast<std::uint32_t>(2 + random.below(4));
-  Air air(seed, robots);
-  air.weather.single_number = single_number;
-  if (random.chance(0.7)) air.weather.loss = random.uniform(0, 0.6);
-  if (random.chance(0.5)) air.weather.repeat = random.uniform(0, 0.3);
-  if (random.chance(0.5)) air.weather.delay = random.uniform(0, 0.3);
-  air.weather.budget = random.chance(0.3) ? 150 : 256 * 1024;
-  if (random.chance(0.5)) air.link_all();
-  const double p_write = random.uniform(0.02, 0.5), p_link = random.uniform(0.01, 0.3);
-  Verdict verdict;
-  for (int t = 0; t < 60; ++t) {
-    for (std::uint32_t i = 0; i < robots; ++i) {
-      if (!air.alive(id(i))) continue;
-      if (random.chance(p_write))
-        air.write(id(i), RecordClass{static_cast<std::uint32_t>(1 + random.below(3) * 3)},
-                  random.below(4));
-      if (random.chance(p_link)) {
-        const auto other = static_cast<std::uint32_t>(random.below(robots));
-        if (other != i) air.link(id(i), id(other), random.chance(0.5));
-      }
-      if (random.chance(0.004)) air.restart_with_journal(id(i));
-      if (random.chance(0.003)) air.restart_empty(id(i));
-      if (random.chance(0.002)) air.restart_behind(id(i));
-      if (random.chance(0.003) && air.living().size() > 1) air.kill(id(i));
-    }
-    air.tick();
-    if (t % 10 == 0) verdict.true_to_digest &= air.digests_are_true();
-  }
-  air.weather.loss = air.weather.repeat = air.weather.delay = 0;
-  const auto living = air.living();
-  for (std::size_t i = 1; i < living.size(); ++i) air.link(living[i - 1], living[i], true);
-  verdict.converged = ticks_until_equal(air, 300) >= 0;
-  verdict.true_to_digest &= air.digests_are_true();
-  return verdict;
 }
 
 }  // namespace
@@ -169,26 +123,6 @@ TEST_CASE("what matters more is sent first, within the budget of a tick") {
   CHECK(air.store(id(1)).size() == 1);
   air.tick();
   CHECK(air.store(id(1)).size() == 2);
-}
-
-TEST_CASE("stores that can reach each other converge, and no digest promises what is not held") {
-  int storms = 0;
-  CHECK(rc::check([&] {
-    for (int i = 0; i < 20; ++i, ++storms) {
-      const auto seed = *rc::gen::arbitrary<std::uint64_t>();
-      const Verdict verdict = storm(seed, false);
-      RC_ASSERT(verdict.true_to_digest);
-      RC_ASSERT(verdict.converged);
-    }
-  }));
-  std::printf("%d storms\n", storms);
-}
-
-TEST_CASE("the same storms catch a digest of a single number") {
-  int lost = 0;
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) lost += !storm(seed, true).converged;
-  std::printf("single-number digest: %d of 200 storms lost records\n", lost);
-  CHECK(lost > 0);
 }
 
 TEST_CASE("an end that was not heard whole, or is not for this start of us, raises nothing") {

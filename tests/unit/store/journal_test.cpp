@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <filesystem>
@@ -54,6 +55,7 @@ std::string as_killed(const std::string& path, const std::string& copy) {
   return copy;
 }
 
+/// For looking at, not for reading bodies: its journal is closed again.
 RecordStore restored(const std::string& path) {
   Journal journal(path, kSelf, Journal::Durability::kProcess);
   RecordStore store(kSelf, journal.epoch() + 1);
@@ -128,6 +130,69 @@ TEST_CASE("records come back as their authors wrote them, in the order in which 
   CHECK(taken[1].header.version() == late.header.version());
 }
 
+TEST_CASE("a journal has the images, and the memory is free of them") {
+  const Folder folder;
+  Journal journal(folder.file(), kSelf, Journal::Durability::kProcess);
+  RecordStore plain(kSelf, 1), store(kSelf, 1);
+  const std::vector<Record> records{record(kOther, 1, RecordClass::kImage, 7, 1, 16'000),
+                                    record(kOther, 1, RecordClass::kMap, 3, 1, 2'000),
+                                    record(kOther, 1, RecordClass::kInspection, 7, 1, 2'000),
+                                    record(kOther, 1, RecordClass::kImage, 8, 2, 20)};
+  for (const Record& r : records) {
+    plain.merge(r);
+    store.merge(r);
+  }
+  const auto hold_the_same = [&] {
+    Bytes buffer;
+    for (const Record& r : records) {
+      const RecordHeader& h = r.header;
+      const Record* a = plain.find(kOther, h.cls, h.key);
+      const Record* b = store.find(kOther, h.cls, h.key);
+      CHECK(std::ranges::equal(store.read(*b, buffer).bytes, a->bytes));
+      CHECK(store.size_of(*b) == a->bytes.size());
+    }
+    CHECK(store.content_hash() == plain.content_hash());
+  };
+  const Record* image = store.find(kOther, RecordClass::kImage, 7);
+  CHECK(image->bytes.size() == 16'000);
+  journal.commit(store);
+  CHECK(image->bytes.capacity() == 0);
+  CHECK(store.find(kOther, RecordClass::kInspection, 7)->bytes.empty());
+  CHECK(store.find(kOther, RecordClass::kMap, 3)->bytes.size() == 2'000);
+  hold_the_same();
+  const Record newer = record(kOther, 1, RecordClass::kImage, 7, 3, 5'000);
+  plain.merge(newer);
+  store.merge(newer);
+  hold_the_same();
+  journal.commit(store);
+  hold_the_same();
+
+  Database(folder.file()).execute("DELETE FROM records");
+  Bytes buffer;
+  CHECK_THROWS_WITH(store.read(*store.find(kOther, RecordClass::kImage, 7), buffer),
+                    Catch::Contains(folder.file() + ": a record that was kept is gone"));
+}
+
+TEST_CASE("what was kept before a restart is read from the journal after it, too") {
+  const Folder folder;
+  const Record image = record(kOther, 1, RecordClass::kImage, 7, 1, 16'000);
+  {
+    Journal journal(folder.file(), kSelf, Journal::Durability::kProcess);
+    RecordStore store(kSelf, 1);
+    store.merge(image);
+    journal.commit(store);
+  }
+  Journal journal(folder.file(), kSelf, Journal::Durability::kProcess);
+  RecordStore store(kSelf, 2);
+  journal.restore(store, [&](const Record& r) { CHECK(r.bytes == image.bytes); });
+  write_own(store, RecordClass::kArea, 1);
+  journal.commit(store);
+  const Record* held = store.find(kOther, RecordClass::kImage, 7);
+  CHECK(held->bytes.empty());
+  Bytes buffer;
+  CHECK(std::ranges::equal(store.read(*held, buffer).bytes, image.bytes));
+}
+
 TEST_CASE("what a newer start of its author voids leaves the file, too") {
   const Folder folder;
   Journal journal(folder.file(), kSelf, Journal::Durability::kProcess);
@@ -146,11 +211,12 @@ TEST_CASE("own map evidence is kept, the newest of each block") {
   const Folder folder;
   {
     Journal journal(folder.file(), kSelf, Journal::Durability::kProcess);
+    RecordStore store(kSelf, 1);
     journal.keep_block(5, {1});
     journal.keep_block(3, {2});
-    journal.commit(RecordStore(kSelf, 1));
+    journal.commit(store);
     journal.keep_block(5, {3});
-    journal.commit(RecordStore(kSelf, 1));
+    journal.commit(store);
   }
   std::map<std::uint64_t, Bytes> blocks;
   Journal(folder.file(), kSelf, Journal::Durability::kProcess)
@@ -188,7 +254,8 @@ TEST_CASE("a damaged journal is put aside, whole, and a new one begun") {
 
 TEST_CASE("a journal of another robot is refused, and left as it is") {
   const Folder folder;
-  Journal(folder.file(), kOther, Journal::Durability::kProcess).commit(RecordStore(kOther, 3));
+  RecordStore theirs(kOther, 3);
+  Journal(folder.file(), kOther, Journal::Durability::kProcess).commit(theirs);
   CHECK_THROWS_WITH(Journal(folder.file(), kSelf, Journal::Durability::kProcess),
                     Catch::Contains("belongs to robot 2, not to 1"));
   CHECK(Journal(folder.file(), kOther, Journal::Durability::kProcess).epoch() == 3);
