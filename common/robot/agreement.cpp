@@ -75,7 +75,8 @@ int Agreement::missed(const Knowledge& k) const {
   int missed = 0;
   for (const mission::Rung& rung : ladder_) missed += rung.until < k.now() ? 1 : 0;
   if (missed < static_cast<int>(ladder_.size())) return missed;
-  const SimTime after = ladder_.empty() ? since_ : ladder_.back().until;
+  // Before it was started nobody could have met it: of these nobody missed any.
+  const SimTime after = std::max(ladder_.empty() ? since_ : ladder_.back().until, k.started());
   const mission::Rung first = standing_rung(k.mission().standing, after);
   if (k.now() <= first.until) return missed;
   const mission::Rung now = standing_rung(k.mission().standing, k.now());

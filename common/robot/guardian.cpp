@@ -7,8 +7,8 @@ namespace muster::robot {
 namespace {
 
 /// Who has heard nobody yet has been alone since it started, not since the mission did.
-SimTime last_heard_anyone(const Knowledge& k, SimTime started) {
-  if (k.teammates().empty()) return started;
+SimTime last_heard_anyone(const Knowledge& k) {
+  if (k.teammates().empty()) return k.started();
   SimTime last;
   for (const auto& [id, mate] : k.teammates()) last = std::max(last, mate.heard);
   return last;
@@ -102,7 +102,6 @@ std::optional<Intent> Guardian::tell_others(const Knowledge& k) {
 
 std::optional<Intent> Guardian::overrule(const Knowledge& k) {
   using mission::RequestVerb;
-  if (!started_) started_ = k.now();
   if (const mission::Status* request = k.request()) {
     if (request->request != RequestVerb::kLand) land_here_.reset();
     const bool home =
@@ -139,7 +138,7 @@ std::optional<Intent> Guardian::overrule(const Knowledge& k) {
   if (low_battery(k)) {
     return go_home(k, "battery below its reserve");
   }
-  if ((k.now() - last_heard_anyone(k, *started_)).s() <= k.mission().lost_contact_s) {
+  if ((k.now() - last_heard_anyone(k)).s() <= k.mission().lost_contact_s) {
     going_silently_ = false;
     return std::nullopt;
   }

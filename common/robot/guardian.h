@@ -35,7 +35,6 @@ class Guardian {
   std::optional<Intent> tell_others(const Knowledge& knowledge);
   std::optional<Errand> next_errand(const Knowledge& knowledge) const;
 
-  std::optional<SimTime> started_;
   std::optional<Vec3> land_here_;
   std::optional<SimTime> called_home_;  // with everybody
   std::set<RobotId> told_;              // of that, or not to be found

@@ -59,6 +59,8 @@ class Knowledge {
   std::uint64_t epoch() const { return store_.epoch(); }
 
   SimTime now() const { return now_; }
+  /// The first tick of this process: what somebody did not do before, it could not have seen.
+  SimTime started() const { return started_.value_or(now_); }
   const mission::Odometry& odometry() const { return odometry_; }
   const Vec3& position() const { return odometry_.pose.p; }
   const mission::Battery& battery() const { return battery_; }
@@ -98,7 +100,10 @@ class Knowledge {
   const std::map<RobotId, SimTime>& declared_lost() const { return lost_; }
 
   // ---- writing (platform and the owner's strategy)
-  void begin(SimTime now) { now_ = now; }
+  void begin(SimTime now) {
+    if (!started_) started_ = now;
+    now_ = now;
+  }
   /// Takes up what an earlier start of this robot kept. Before the first tick.
   void restore(store::Journal& journal);
   void observe(const mission::Odometry& odometry) { odometry_ = odometry; }
@@ -125,6 +130,7 @@ class Knowledge {
   RobotId self_;
   nav::Limits limits_;
   SimTime now_;
+  std::optional<SimTime> started_;
   mission::Odometry odometry_;
   mission::Battery battery_;
   map::VoxelMap map_;

@@ -99,3 +99,16 @@ TEST_CASE("the standing rung repeats for ever") {
   CHECK(robot::standing_rung(s, at(330.1)).from == at(420));
   CHECK(robot::standing_rung(s, at(3600)).until >= at(3600));
 }
+
+TEST_CASE(
+    "regress: who starts again in the middle of a mission has missed no meeting before that") {
+  Knowledge station(robot::small_mission(), RobotId{0}, 2);
+  Agreement agreement(RobotId{0}, RobotId{1});
+  station.begin(at(972));
+  CHECK(agreement.next(station).from == at(1020));
+  CHECK(agreement.missed(station) == 0);
+  station.begin(at(1051));
+  CHECK(agreement.missed(station) == 1);
+  station.begin(at(1171));
+  CHECK(agreement.missed(station) == 2);
+}
