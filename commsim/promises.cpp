@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <ranges>
 
 #include "common/core/error.h"
 #include "common/core/log.h"
@@ -40,9 +39,9 @@ void Promises::digest(RobotId by, const mission::Beacon& beacon) {
 std::optional<Promises::Version> Promises::promised(RobotId robot, const Name& name,
                                                     const std::set<Version>& versions) const {
   const auto& streams = promises_.at(robot);
-  for (const auto& [epoch, seq] : std::views::reverse(versions)) {
-    const auto promise = streams.find({name.author, name.cls, epoch});
-    if (promise != streams.end() && promise->second.covers(seq)) return Version{epoch, seq};
+  for (auto version = versions.rbegin(); version != versions.rend(); ++version) {
+    const auto promise = streams.find({name.author, name.cls, version->first});
+    if (promise != streams.end() && promise->second.covers(version->second)) return *version;
   }
   return std::nullopt;
 }
