@@ -29,6 +29,7 @@ constexpr std::array kVerbs{Verb{"kill", Whom::kOne},           Verb{"revive", W
                             Verb{"cut", Whom::kPair, true},     Verb{"loss", Whom::kEveryone, true},
                             Verb{"drain", Whom::kAny},          Verb{"blind", Whom::kAny, true},
                             Verb{"full-disk", Whom::kAny, true}};
+constexpr double kLatest_s = 1e7;  // no mission is longer; what is may not fit into microseconds
 constexpr const char* kChaos = "chaos";
 /// Of its part of the time, the share in which a robot of a `chaos` may die.
 constexpr double kDyingShare = 0.5;
@@ -65,7 +66,7 @@ void read_whom(YamlMap& map, Whom whom, const Mission& m, ScriptedEvent& e) {
 double read_time(YamlMap& map, const char* key) {
   if (!map.has(key)) map.fail("", fmt::format("'{}' is missing", key));
   double s = 0;
-  read_at_least(map, key, s, 0);
+  read_between(map, key, s, 0, kLatest_s);
   return s;
 }
 
@@ -73,6 +74,7 @@ Duration read_lasts(YamlMap& map) {
   if (!map.has("for_s")) map.fail("", "'for_s' is missing");
   double s = 0;
   read_positive(map, "for_s", s);
+  read_between(map, "for_s", s, 0, kLatest_s);
   return Duration::from_s(s);
 }
 

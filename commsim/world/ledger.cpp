@@ -142,6 +142,7 @@ std::vector<FeatureLedger::Redone> FeatureLedger::lost_with(RobotId robot) const
     }
   }
   std::vector<Redone> all;
+  all.reserve(lost.size());
   for (const auto& [id, redone] : lost) all.push_back(redone);
   return all;
 }

@@ -55,6 +55,8 @@ TEST_CASE("what a fault lacks or has too much of is told in one line") {
       {"verb: kill, robot: 3", ": 'at_s' is missing"},
       {"at_s: 5, verb: pause, robot: 3", ": 'for_s' is missing"},
       {"at_s: 5, verb: pause, robot: 3, for_s: 0", ".for_s: must be greater than 0"},
+      {"at_s: 1e300, verb: kill, robot: 3", ".at_s: must be between 0 and 10000000"},
+      {"at_s: 5, verb: pause, robot: 3, for_s: 1e300", ".for_s: must be between 0 and 10000000"},
       {"at_s: 5, verb: cut, robots: [2, 2], for_s: 1", ".robots: two different robots, [2, 3]"},
       {"at_s: 5, verb: cut, robots: [2, 9], for_s: 1", ".robots: there is no robot 9"},
       {"at_s: 5, verb: jam, center: [0, 0, 0], for_s: 1", ": 'radius_m' is missing"},
