@@ -26,7 +26,7 @@ class Disk {
 };
 
 /// The product's own journal, in a file; what is killed leaves the file as it is, nothing closed.
-class FileDisk : public Disk {
+class FileDisk final : public Disk {
  public:
   FileDisk(std::string path, RobotId robot) : path_(std::move(path)), robot_(robot) { wipe(); }
   ~FileDisk() override { wipe(); }
@@ -64,7 +64,7 @@ class FileDisk : public Disk {
 
 /// The same without files, for thousands of storms: what was committed survives, whole commits
 /// only.
-class MemoryDisk : public Disk {
+class MemoryDisk final : public Disk {
  public:
   std::uint64_t open() override {
     written_ = {};
