@@ -1,0 +1,101 @@
+#include "common/robot/robot.h"
+
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "common/store/database.h"
+#include "tests/unit/robot/fixtures.h"
+
+using namespace muster;
+using namespace muster::robot;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr RobotId kSelf{1}, kOther{2}, kNewcomer{0};
+
+/// Stays where it is.
+class Idle : public Strategy {
+ public:
+  Intent decide(Knowledge&, const Progress&) override { return {}; }
+};
+
+mission::Message beacon_of_newcomer(SimTime now, std::uint64_t n) {
+  mission::Beacon b;
+  b.envelope = {n, kNewcomer, mission::MessageClass::kBeacon, now};
+  b.mission_time = now;
+  b.epoch = 1;
+  b.digest_n = n;  // it holds nothing
+  return dds::encode(b);
+}
+
+mission::Message part_of_image() {
+  mission::Inspection part;
+  part.area = {kSelf, 1};
+  part.part = 1;
+  part.parts = 2;
+  part.payload.assign(5000, 7);
+  const store::RecordHeader header{
+      {kOther, 1}, store::RecordClass::kImage, image_key(part.area, 1), 1, {}, {}};
+  return dds::wrap({1, kOther, mission::MessageClass::kInspection, {}},
+                   dds::encode_record(header, part));
+}
+
+/// How many image parts a robot passes on to somebody who has none, in 3 s; `then` is called once
+/// its journal has what it heard.
+int parts_sent_on(const std::function<void(const std::string& journal)>& then) {
+  const fs::path dir = fs::temp_directory_path() / ("muster_robot_" + std::to_string(getpid()));
+  const std::string file = (dir / "1.db").string();
+  const mission::Mission m = small_mission();
+  Robot robot(m, kSelf, std::make_unique<Idle>(), 1);
+  robot.keep(std::make_unique<store::Journal>(file, kSelf, store::Journal::Durability::kProcess));
+  int parts = 0;
+  for (std::uint64_t k = 1; k <= 30; ++k) {
+    mission::StepInput input{.tick = k, .now = time_of_tick(k), .bus = {}, .air = {}};
+    if (k == 1) input.air.push_back(part_of_image());
+    if (k == 2) then(file);
+    if (k > 2 && k % 5 == 0) input.air.push_back(beacon_of_newcomer(input.now, k));
+    for (const mission::Message& message : robot.step(input).air)
+      parts += message.cls == mission::MessageClass::kInspection ? 1 : 0;
+  }
+  fs::remove_all(dir);
+  return parts;
+}
+
+}  // namespace
+
+TEST_CASE("an image that is only on disk is passed on all the same") {
+  CHECK(parts_sent_on([](const std::string&) {}) > 0);
+}
+
+TEST_CASE("a robot whose disk does not give an image back flies on without it") {
+  const auto lose = [](const std::string& journal) {
+    store::Database(journal).execute("DELETE FROM records");
+  };
+  CHECK(parts_sent_on(lose) == 0);
+}
+
+TEST_CASE("a whole map is compressed as a whole, and grows with what is known") {
+  const mission::Mission m = small_mission();
+  Robot robot(m, kSelf, std::make_unique<Idle>(), 1);
+  const std::size_t at_first = robot.whole_map_bytes();
+  CHECK(at_first > 20);
+  CHECK(at_first < 2000);
+  Knowledge other(m, kOther, 1);
+  other.map().insert_free_ball({5, 0, 3}, 3);
+  const map::BlockKey b = map::block_of(other.map().key({5, 0, 3}));
+  mission::MapBlock block;
+  block.ix = b.x, block.iy = b.y, block.iz = b.z;
+  block.resolution_m = 0.2F;
+  block.encoding = mission::BlockEncoding::kZstd2Bit;
+  block.voxels = other.map().encode_own(b);
+  const store::RecordHeader header{{kOther, 1}, store::RecordClass::kMap, map::pack(b), 1, {}, {}};
+  robot.step({.tick = 1,
+              .now = time_of_tick(1),
+              .bus = {},
+              .air = {dds::wrap({1, kOther, mission::MessageClass::kMapBlock, {}},
+                                dds::encode_record(header, block))}});
+  CHECK(robot.whole_map_bytes() > at_first);
+}
