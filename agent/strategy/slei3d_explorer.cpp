@@ -67,6 +67,7 @@ bool Slei3dExplorer::region_done(const robot::Knowledge& k) const {
 }
 
 robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress& progress) {
+  if (k.now() == k.started()) agreement_.resume(k);
   follow(k, orders(k));
   const RegionId region = exploration_ ? exploration_->region() : kNoRegion;
   fitter_.review(k, exploration_ && exploration_->done());

@@ -306,8 +306,7 @@ robot::Intent Slei3dInspector::wait(robot::Knowledge& k, const Orders& o) {
   intent.activity = mission::Activity::kWaiting;
   intent.through_unknown = true;
   intent.tolerance_m = 1.0;
-  const auto heard = k.last_heard(o.leader);
-  const double unheard_s = heard ? (k.now() - *heard).s() : k.now().s();
+  const double unheard_s = (k.now() - k.last_heard(o.leader).value_or(k.started())).s();
   if (unheard_s > kUnheard_s) {
     intent.kind = robot::Intent::Kind::kGo;
     intent.goal.p = k.config().start.p;

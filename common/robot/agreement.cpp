@@ -11,6 +11,17 @@ mission::Rung standing_rung(const mission::StandingConfig& s, SimTime now) {
   return {s.place, from, from + s.window};
 }
 
+void Agreement::resume(const Knowledge& k) {
+  const auto* mine = k.meeting(self_, partner_, mission::MeetingKind::kAcknowledgement);
+  const auto* ack =
+      mine ? mine : k.meeting(partner_, self_, mission::MeetingKind::kAcknowledgement);
+  if (!ack || ack->body.ladder.empty()) return;
+  number_ = ack->body.meeting.value;
+  ladder_ = ack->body.ladder;
+  since_ = ack->header.stamp;
+  if (mine) acknowledged_ = {ack->body.ack_epoch, ack->body.ack_seq};
+}
+
 void Agreement::propose(Knowledge& k, std::vector<mission::Rung> ladder, RegionId region) {
   mission::Meeting m;
   m.kind = mission::MeetingKind::kProposal;

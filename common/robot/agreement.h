@@ -29,6 +29,10 @@ class Agreement {
   std::uint64_t number() const { return number_; }
   bool pending() const { return pending_.has_value(); }
 
+  /// Takes up what this robot's earlier start had agreed on: the acknowledgement names it, whoever
+  /// wrote it. To be called in the first tick, before anything new of this start voids what is
+  /// kept.
+  void resume(const Knowledge& knowledge);
   /// Explorer: proposes the next meeting. Publishes the record.
   void propose(Knowledge& knowledge, std::vector<mission::Rung> ladder, RegionId region);
   /// Once per tick, both sides: takes in what was heard. True in the tick in which a new agreement

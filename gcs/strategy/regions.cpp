@@ -47,6 +47,38 @@ void Regions::assign_all(robot::Knowledge& k) {
   publish(k);
 }
 
+bool Regions::resume(robot::Knowledge& k) {
+  const auto* kept = k.plan(k.self(), mission::PlanKind::kAssignment);
+  if (!kept) return false;
+  orphans_ = k.mission().with_role(mission::Role::kInspector);
+  for (const RobotId explorer : k.mission().with_role(mission::Role::kExplorer))
+    groups_[explorer].explorer = explorer;
+  for (const mission::Allocation& a : kept->body.allocations) {
+    // What does not fit was kept of another mission.
+    const RobotId explorer = a.leader == kNoRobot ? a.robot : a.leader;
+    if (a.region != kNoRegion && a.region.value >= states_.size()) continue;
+    if (explorer != kNoRobot && !groups_.contains(explorer)) continue;
+    if (a.robot == kNoRobot && a.region == kNoRegion) continue;
+    if (a.robot == kNoRobot) {
+      states_[a.region.value] = mission::RegionState::kDone;
+    } else if (a.leader != kNoRobot) {
+      groups_.at(a.leader).inspectors.push_back(a.robot);
+      std::erase(orphans_, a.robot);
+    } else if (a.region != kNoRegion) {
+      groups_.at(a.robot).region = a.region;
+      states_[a.region.value] = mission::RegionState::kAssigned;
+    }
+  }
+  // Without a region: released when there was none left, else it had been lost.
+  const bool pending = std::ranges::count(states_, mission::RegionState::kPending) > 0;
+  for (auto& [id, group] : groups_) {
+    group.lost = group.region == kNoRegion && pending;
+    group.released = group.region == kNoRegion && !pending;
+  }
+  publish(k);
+  return true;
+}
+
 bool Regions::results_complete(const robot::Knowledge& k, RegionId region) {
   return std::all_of(k.areas().begin(), k.areas().end(), [&](const auto& a) {
     if (a.second.area.region != region) return true;
@@ -128,6 +160,10 @@ void Regions::publish(robot::Knowledge& k) const {
     plan.allocations.push_back({id, kNoRobot, group.region, {}});
     for (const RobotId inspector : group.inspectors)
       plan.allocations.push_back({inspector, id, group.region, {}});
+  }
+  for (std::uint32_t i = 0; i < states_.size(); ++i) {
+    if (states_[i] == mission::RegionState::kDone)
+      plan.allocations.push_back({kNoRobot, kNoRobot, RegionId{i}, {}});  // for a later start
   }
   k.publish(store::RecordClass::kPlan, robot::plan_key(mission::PlanKind::kAssignment), plan);
 }

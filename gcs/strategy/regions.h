@@ -27,6 +27,9 @@ class Regions {
 
   /// At the start: everybody gets something. Publishes the assignment record.
   void assign_all(robot::Knowledge& k);
+  /// After a restart: takes up the assignment that an earlier start had published. False when there
+  /// is none.
+  bool resume(robot::Knowledge& k);
   /// `explorer` is here and says how far it is. Gives it the next region when its own is done. True
   /// when the assignment changed.
   bool report(robot::Knowledge& k, RobotId explorer);

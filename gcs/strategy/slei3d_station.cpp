@@ -26,7 +26,9 @@ Slei3dStation::Slei3dStation(const mission::Mission& mission, RobotId self) : re
 
 robot::Intent Slei3dStation::decide(robot::Knowledge& k, const robot::Progress&) {
   if (!assigned_) {
-    regions_.assign_all(k);
+    for (auto& [id, agreement] : agreements_) agreement.resume(k);
+    declared_ = k.declared_complete();
+    if (!regions_.resume(k)) regions_.assign_all(k);
     assigned_ = true;
   }
   meet(k);

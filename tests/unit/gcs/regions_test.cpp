@@ -45,3 +45,43 @@ TEST_CASE("an explorer that was given up and comes after all goes on with its re
   CHECK_FALSE(s.regions.groups().at(kExplorer).lost);
   CHECK_FALSE(s.regions.groups().at(kExplorer).released);
 }
+
+TEST_CASE("a station that starts again takes up its assignment, and what is done stays done") {
+  mission::Mission mission = robot::small_mission();
+  mission.boxes = {Box::from_corners({2, -4, 0.3}, {6, 4, 6}),
+                   Box::from_corners({6, -4, 0.3}, {10, 4, 6})};
+  robot::Knowledge station(mission, RobotId{0}, 1);
+  Regions before(mission);
+  before.assign_all(station);
+  robot::Knowledge explorer(mission, kExplorer, 1);
+  mission::Status health;
+  health.kind = mission::StatusKind::kHealth;
+  health.regions = {{.region = RegionId{0}, .state = mission::RegionState::kDone}};
+  explorer.publish(store::RecordClass::kStatus, robot::kHealthKey, health);
+  robot::pass(explorer, station, store::RecordClass::kStatus);
+  robot::hear(station, explorer);
+  const bool done = GENERATE(false, true);
+  if (done) {
+    station.exchange().on_beacon(kExplorer, 1, 1, explorer.store().digest(), station.now());
+    robot::pass(station, explorer, store::RecordClass::kPlan);
+    station.exchange().on_beacon(kExplorer, 1, 2, explorer.store().digest(), station.now());
+    REQUIRE(before.report(station, kExplorer));
+    REQUIRE(before.groups().at(kExplorer).region == RegionId{1});
+  }
+
+  Regions after(mission);
+  CHECK(after.resume(station));
+  for (const RegionId region : {RegionId{0}, RegionId{1}}) {
+    CHECK(after.state(region) == before.state(region));
+  }
+  CHECK(after.groups().at(kExplorer).region == before.groups().at(kExplorer).region);
+  CHECK(after.groups().at(kExplorer).inspectors == std::vector{kInspector});
+  CHECK_FALSE(after.groups().at(kExplorer).lost);
+  CHECK_FALSE(after.groups().at(kExplorer).released);
+}
+
+TEST_CASE("a station without an assignment of its own has nothing to take up") {
+  robot::Knowledge station(robot::small_mission(), RobotId{0}, 1);
+  Regions regions(robot::small_mission());
+  CHECK_FALSE(regions.resume(station));
+}

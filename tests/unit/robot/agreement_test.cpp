@@ -112,3 +112,23 @@ TEST_CASE(
   station.begin(at(1171));
   CHECK(agreement.missed(station) == 2);
 }
+
+TEST_CASE("who starts again goes on with what was agreed on") {
+  Pair p;
+  p.time(0, true);
+  p.at_explorer.propose(p.explorer, p.ladder(60), RegionId{0});
+  p.exchange();
+  p.at_station.update(p.station);
+  p.exchange();
+  REQUIRE(p.at_explorer.update(p.explorer));
+
+  Agreement station(RobotId{0}, RobotId{1}), explorer(RobotId{1}, RobotId{0});
+  station.resume(p.station);
+  explorer.resume(p.explorer);
+  for (const auto* side : {&station, &explorer}) CHECK(side->number() == 1);
+  CHECK(station.next(p.station).from == at(60));
+  CHECK(explorer.next(p.explorer).from == at(60));
+  CHECK_FALSE(station.update(p.station));  // what was acknowledged is not acknowledged again
+  p.time(91, false);
+  CHECK(explorer.next(p.explorer).from == at(120));
+}
