@@ -34,9 +34,10 @@ std::string lost(const json& summary) {
   return all;
 }
 
+/// Empty: nothing had to be.
 std::string redone(const json& summary) {
   const auto found = summary.find("features_redone");
-  if (found == summary.end() || !found->is_array() || found->empty()) return "none";
+  if (found == summary.end() || !found->is_array() || found->empty()) return "";
   std::string all;
   std::size_t open = 0;
   for (const json& f : *found) {
@@ -46,11 +47,14 @@ std::string redone(const json& summary) {
   return open == 0 ? all : fmt::format("{}; {} of them not yet", all, open);
 }
 
+/// Empty: no journal was there to be judged.
 std::string forgotten(const json& summary) {
   const auto found = summary.find("records_lost");
-  if (found == summary.end() || !found->is_object()) return "–";
-  return fmt::format("{} that a robot had promised to hold, by {} journals",
-                     found->value("count", 0u), found->value("journals", 0u));
+  if (found == summary.end() || !found->is_object()) return "";
+  const auto count = found->value("count", 0u), journals = found->value("journals", 0u);
+  if (journals == 0) return "";
+  return fmt::format("{} that a robot had said to hold   {} journals judged",
+                     count == 0 ? "none" : std::to_string(count), journals);
 }
 
 }  // namespace
@@ -91,8 +95,9 @@ std::string summary_table(const json& s) {
       fmt::format("{}   nearest robots {}   nearest surface {}", number(s, "collisions", 0),
                   number(s, "min_separation_m", 2, " m"), number(s, "min_clearance_m", 2, " m")));
   row("robots lost", lost(s));
-  row("records lost", forgotten(s));
-  row("done again", redone(s));
+  const std::string records = forgotten(s), features = redone(s);
+  if (!records.empty()) row("records lost", records);
+  if (!features.empty()) row("inspected again", features);
   row("speed",
       fmt::format("{}× real time, {} of CPU per robot and second, {} per agent",
                   number(s, "real_time_factor", 1), number(s, "cpu_ms_per_robot_s", 1, " ms"),
