@@ -15,24 +15,20 @@ struct Mission;
 
 /// Something that a mission file or `muster run --faults FILE` makes happen at a time:
 ///
-///     - {at_s: 60, verb: kill, robot: 3}                                its process dies
-///     - {at_s: 80, verb: revive, robot: 3}                              and is started again
-///     - {at_s: 60, verb: pause, robot: 3, for_s: 5}                     gets no ticks, says
-///     nothing
-///     - {at_s: 60, verb: jam, center: [0, 0, 3], radius_m: 8, for_s: 60}  nobody inside hears or
-///     is heard
-///     - {at_s: 60, verb: cut, robots: [2, 3], for_s: 60}                these two do not hear each
-///     other
-///     - {at_s: 60, verb: loss, probability: 0.5, for_s: 60}             messages lost, at least
-///     - {at_s: 60, verb: mute-beacons, robot: 3}                        from now on, of one or of
-///     all
-///     - {at_s: 60, verb: drain, robot: 3, charge: 0.1}                  the battery's level, 0 … 1
-///     - {at_s: 60, verb: blind, robot: 2, for_s: 30}                    the camera sees nothing
-///     - {at_s: 60, verb: full-disk, robot: 2, for_s: 30}                its journal cannot be
-///     written
-///     - {at_s: 60, verb: hold}        resume, return, land, abort: as the operator would ask
-///     - {verb: chaos, from_s: 60, until_s: 900, down_s: [5, 30]}        everyone dies once and
-///     comes back
+/// | entry                                                     | what happens                     |
+/// |-----------------------------------------------------------|----------------------------------|
+/// | {at_s: 60, verb: kill, robot: 3}                          | its process dies                 |
+/// | {at_s: 80, verb: revive, robot: 3}                        | and is started again             |
+/// | {at_s: 60, verb: pause, robot: 3, for_s: 5}               | gets no ticks, says nothing      |
+/// | {at_s: 60, verb: jam, center: [0, 0, 3], radius_m: 8, …}  | nobody inside hears or is heard  |
+/// | {at_s: 60, verb: cut, robots: [2, 3], for_s: 60}          | these two do not hear each other |
+/// | {at_s: 60, verb: loss, probability: 0.5, for_s: 60}       | messages lost, at least          |
+/// | {at_s: 60, verb: mute-beacons, robot: 3}                  | from now on, of one or of all    |
+/// | {at_s: 60, verb: drain, robot: 3, charge: 0.1}            | the battery's level, 0 … 1       |
+/// | {at_s: 60, verb: blind, robot: 2, for_s: 30}              | the camera sees nothing          |
+/// | {at_s: 60, verb: full-disk, robot: 2, for_s: 30}          | its journal cannot be written    |
+/// | {at_s: 60, verb: hold}, resume, return, land, abort       | as the operator would ask        |
+/// | {verb: chaos, from_s: 60, until_s: 900, down_s: [5, 30]}  | everyone dies once, comes back   |
 ///
 /// Without `robot` it happens to everyone (not kill and revive, which name one). Chaos is replaced
 /// by the kills and revivals that it stands for, drawn from the mission's seed: robots die one
