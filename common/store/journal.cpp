@@ -57,6 +57,16 @@ void put_aside(const std::string& path) {
   log::error("journal {}: damaged; kept as {}, and a new one begun", path, aside);
 }
 
+/// Of a row that begins with robot, class, key, epoch, seq.
+RecordHeader header_of(const Database::Statement& row) {
+  RecordHeader h;
+  h.author = {RobotId{static_cast<std::uint32_t>(row.number(0))}, row.number(3)};
+  h.cls = static_cast<RecordClass>(row.integer(1));
+  h.key = row.number(2);
+  h.seq = row.number(4);
+  return h;
+}
+
 }  // namespace
 
 struct Journal::Statements {
@@ -137,12 +147,7 @@ std::vector<RecordHeader> Journal::kept(const std::string& path) {
   auto rows = db.prepare("SELECT robot, class, key, epoch, seq FROM records");
   std::vector<RecordHeader> headers;
   while (rows.step()) {
-    RecordHeader h;
-    h.author = {RobotId{static_cast<std::uint32_t>(rows.number(0))}, rows.number(3)};
-    h.cls = static_cast<RecordClass>(rows.integer(1));
-    h.key = rows.number(2);
-    h.seq = rows.number(4);
-    headers.push_back(std::move(h));
+    headers.push_back(header_of(rows));
   }
   return headers;
 }
@@ -152,11 +157,7 @@ void Journal::restore(RecordStore& store, const std::function<void(const Record&
       "SELECT robot, class, key, epoch, seq, stamp_us, signature, bytes FROM records ORDER BY "
       "change");
   while (rows.step()) {
-    RecordHeader h;
-    h.author = {RobotId{static_cast<std::uint32_t>(rows.number(0))}, rows.number(3)};
-    h.cls = static_cast<RecordClass>(rows.integer(1));
-    h.key = rows.number(2);
-    h.seq = rows.number(4);
+    RecordHeader h = header_of(rows);
     h.stamp = SimTime{rows.integer(5)};
     h.signature = rows.blob(6);
     if (store.merge({h, rows.blob(7)}) != Merged::kNew) continue;

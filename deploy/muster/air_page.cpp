@@ -199,10 +199,8 @@ std::string air_page(const AirData& air) {
          "<h1>Who heard whom</h1><section><h2>When</h2>" + timeline(air) +
          "</section><section><h2>How much, and what was dropped</h2>"
          "<p class=\"says\">Messages, by the reason they were not heard: too far, a wall, lost "
-         "(faded or "
-         "drawn), no airtime, one of the two dead; jam, cut, paused and scripted: taken away by "
-         "the "
-         "mission's script.</p>" +
+         "(faded or drawn), no airtime, one of the two dead; jam, cut, paused and scripted: taken "
+         "away by the mission's script.</p>" +
          table(air) + "</section></main></body></html>\n";
 }
 

@@ -64,6 +64,17 @@ const mission::TrueState& true_state(const mission::Truth& truth, std::uint32_t 
   throw std::logic_error("no such robot");
 }
 
+/// At tick 60 the process of robot 2, which has been silent, finds it landed, and flies it until
+/// tick 100.
+void find_landed_and_fly(World& world) {
+  const auto samples = world.begin_tick(60);
+  const auto odometry = all_of<mission::Odometry>(samples, 2, MessageClass::kOdometry);
+  REQUIRE(odometry.size() == 1);
+  CHECK(odometry[0].state == mission::VehicleState::kLanded);
+  world.end_tick(60, {from(2, to(odometry[0].pose.p, {0.5, 2, 2}, 6, 3))});
+  run(world, 61, 100);
+}
+
 }  // namespace
 
 TEST_CASE("every live robot gets its odometry each tick and its sensors at their rates") {
@@ -168,12 +179,7 @@ TEST_CASE("a revived process finds its robot landed and may fly it again") {
   world.set_alive(RobotId{2}, false);
   run(world, 0, 60);
   world.set_alive(RobotId{2}, true);
-  const auto samples = world.begin_tick(60);
-  const auto odometry = all_of<mission::Odometry>(samples, 2, MessageClass::kOdometry);
-  REQUIRE(odometry.size() == 1);
-  CHECK(odometry[0].state == mission::VehicleState::kLanded);
-  world.end_tick(60, {from(2, to(odometry[0].pose.p, {0.5, 2, 2}, 6, 3))});
-  run(world, 61, 100);
+  find_landed_and_fly(world);
   world.begin_tick(100);
   CHECK(true_state(world.truth(), 2).pose.p.z() == Approx(2).margin(1e-6));
 }
@@ -219,12 +225,7 @@ TEST_CASE("a paused process gets nothing, its vehicle lands, and later it may fl
   world.end_tick(10, {});
   run(world, 11, 60);
   CHECK(true_state(world.truth(), 2).pose.p.z() < 0.3);
-  const auto samples = world.begin_tick(60);
-  const auto odometry = all_of<mission::Odometry>(samples, 2, MessageClass::kOdometry);
-  REQUIRE(odometry.size() == 1);
-  CHECK(odometry[0].state == mission::VehicleState::kLanded);
-  world.end_tick(60, {from(2, to(odometry[0].pose.p, {0.5, 2, 2}, 6, 3))});
-  run(world, 61, 100);
+  find_landed_and_fly(world);
   CHECK(true_state(world.truth(), 2).pose.p.z() == Approx(2).margin(1e-6));
   CHECK(world.summary()["robots_lost"].empty());
 }
