@@ -90,7 +90,7 @@ nlohmann::json Promises::to_json() const {
                        {"class", mission::topic_name(mission::message_class(name.cls))},
                        {"key", name.key},
                        {"seq", loss.version.second},
-                       {"t_s", static_cast<double>(loss.at.us) / 1e6}});
+                       {"t_s", loss.at.decimal_s()}});
   }
   return {{"count", lost_.size()}, {"journals", judged_.size()}, {"records", std::move(records)}};
 }

@@ -12,6 +12,9 @@ struct Duration {
 
   static Duration from_s(double s) { return {std::llround(s * 1e6)}; }
   constexpr double s() const { return static_cast<double>(us) * 1e-6; }
+  /// As decimals are written: 1.8, where `s` may say 1.7999999999999998 and has to go on saying so,
+  /// since decisions depend on its last bit.
+  constexpr double decimal_s() const { return static_cast<double>(us) / 1e6; }
   constexpr auto operator<=>(const Duration&) const = default;
   constexpr Duration operator+(Duration o) const { return {us + o.us}; }
   constexpr Duration operator-(Duration o) const { return {us - o.us}; }
@@ -24,6 +27,7 @@ struct SimTime {
 
   static SimTime from_s(double s) { return {std::llround(s * 1e6)}; }
   constexpr double s() const { return static_cast<double>(us) * 1e-6; }
+  constexpr double decimal_s() const { return static_cast<double>(us) / 1e6; }
   constexpr auto operator<=>(const SimTime&) const = default;
   constexpr SimTime operator+(Duration d) const { return {us + d.us}; }
   constexpr SimTime operator-(Duration d) const { return {us - d.us}; }

@@ -144,9 +144,6 @@ void expand(const Chaos& c, const Mission& m, std::vector<ScriptedEvent>& script
   }
 }
 
-/// Exact decimals, so that what is written reads back as the same instant.
-double in_s(Duration d) { return static_cast<double>(d.us) / 1e6; }
-
 }  // namespace
 
 bool ScriptedEvent::due_at(std::uint64_t k) const {
@@ -188,7 +185,7 @@ void add_faults(Mission& mission, const std::string& file) {
 void write_script(std::ostream& out, const std::vector<ScriptedEvent>& script) {
   if (!script.empty()) out << "script:\n";
   for (const ScriptedEvent& e : script) {
-    out << fmt::format("  - {{at_s: {}, verb: {}", in_s(e.at - SimTime{}), e.verb);
+    out << fmt::format("  - {{at_s: {}, verb: {}", e.at.decimal_s(), e.verb);
     if (e.other != kNoRobot)
       out << fmt::format(", robots: [{}, {}]", e.robot.value, e.other.value);
     else if (e.robot != kNoRobot)
@@ -198,7 +195,7 @@ void write_script(std::ostream& out, const std::vector<ScriptedEvent>& script) {
                          e.center.z(), e.radius_m);
     if (e.verb == "loss") out << fmt::format(", probability: {}", e.value);
     if (e.verb == "drain") out << fmt::format(", charge: {}", e.value);
-    if (e.lasts.us > 0) out << fmt::format(", for_s: {}", in_s(e.lasts));
+    if (e.lasts.us > 0) out << fmt::format(", for_s: {}", e.lasts.decimal_s());
     out << "}\n";
   }
 }

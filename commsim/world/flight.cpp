@@ -36,9 +36,6 @@ constexpr double kHomecoming_s = 300;
 /// all stand on the ground).
 constexpr double kReaction_s = 5;
 
-/// Exact decimals: 1.8, not 1.7999999999999998.
-double in_s(SimTime t) { return static_cast<double>(t.us) / 1e6; }
-
 std::ofstream open_file(const std::string& path) {
   std::ofstream file(path);
   if (!file) throw Failure(path + ": cannot be written");
@@ -140,7 +137,7 @@ std::optional<std::string> Flight::end_reason(std::uint64_t k, std::size_t alive
 
 void Flight::robot_lost(RobotId robot, const std::string& how) {
   lost_.push_back(
-      {{"robot", robot.value}, {"t_s", in_s(now_)}, {"how", how}, {"revived_s", nullptr}});
+      {{"robot", robot.value}, {"t_s", now_.decimal_s()}, {"how", how}, {"revived_s", nullptr}});
   activity_.erase(robot);
   gone_.insert(robot);
   if (robot == mission_.station()) station_lost_ = true;
@@ -150,7 +147,8 @@ void Flight::robot_lost(RobotId robot, const std::string& how) {
 void Flight::robot_back(RobotId robot) {
   gone_.erase(robot);
   for (nlohmann::json& lost : lost_) {
-    if (lost["robot"] == robot.value && lost["revived_s"].is_null()) lost["revived_s"] = in_s(now_);
+    if (lost["robot"] == robot.value && lost["revived_s"].is_null())
+      lost["revived_s"] = now_.decimal_s();
   }
   if (robot == mission_.station()) station_lost_ = false;
   event({{"t_s", now_.s()}, {"event", "robot_back"}, {"robot", robot.value}});

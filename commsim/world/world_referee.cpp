@@ -13,11 +13,8 @@ constexpr double kHomeM = 1.5;  // a landing counts as at the start within this,
 constexpr double kStandingMps = 0.05;
 constexpr double kParkedS = 20;  // a rover that stands this long does not go on: it may only turn
 
-/// Exact decimals: 1.8, not 1.7999999999999998.
-double in_s(SimTime t) { return static_cast<double>(t.us) / 1e6; }
-
 nlohmann::json seconds(const std::optional<SimTime>& t) {
-  return t ? nlohmann::json(in_s(*t)) : nlohmann::json(nullptr);
+  return t ? nlohmann::json(t->decimal_s()) : nlohmann::json(nullptr);
 }
 
 nlohmann::json number(const std::optional<double>& v) {
@@ -27,7 +24,7 @@ nlohmann::json number(const std::optional<double>& v) {
 }  // namespace
 
 void World::Impl::event(const char* what, nlohmann::json details, SimTime at) {
-  details["t_s"] = in_s(at);
+  details["t_s"] = at.decimal_s();
   details["event"] = what;
   events.push_back(std::move(details));
 }
@@ -88,7 +85,7 @@ nlohmann::json World::Impl::features_redone() const {
       all.push_back(
           {{"feature", r.feature.value},
            {"lost_with", robot.config.id.value},
-           {"inspected_s", in_s(r.inspected)},
+           {"inspected_s", r.inspected.decimal_s()},
            {"again_s", seconds(r.again)},
            {"again_by", r.again ? nlohmann::json(r.again_by.value) : nlohmann::json(nullptr)}});
     }
@@ -154,7 +151,7 @@ nlohmann::json World::summary() const {
   s["seed"] = w.mission.seed;
   s["complete"] = w.declared && delivered == total;
   s["declared"] = w.declared;
-  s["simulated_s"] = in_s(w.now);
+  s["simulated_s"] = w.now.decimal_s();
   s["time_limit_s"] = w.mission.time_limit_s;
   s["t_s"] = seconds(both);
   s["delivered_time_s"] = seconds(all_delivered);
@@ -188,7 +185,7 @@ nlohmann::json World::summary() const {
   s["robots_lost"] = nlohmann::json::array();
   for (const Impl::Lost& l : w.lost) {
     s["robots_lost"].push_back(
-        {{"robot", l.robot.value}, {"t_s", in_s(l.at)}, {"revived_s", seconds(l.revived)}});
+        {{"robot", l.robot.value}, {"t_s", l.at.decimal_s()}, {"revived_s", seconds(l.revived)}});
   }
   s["features_redone"] = w.features_redone();
   s["robots"] = nlohmann::json::array();
