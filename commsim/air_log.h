@@ -15,8 +15,8 @@ namespace muster::commsim {
 /// Who heard whom, when, how much, and what was dropped and why: `air.csv`, for `muster air`. Off
 /// the trace.
 ///
-///     t_s,from,to,heard,heard_bytes,dropped_bytes,range,wall,dead,scripted,loss,airtime,jam,cut,paused
-///     12,2,1,9,4410,0,3,0,0,0,0,0,0,0,0
+///     t_s,from,to,heard,heard_bytes,dropped_bytes,range,wall,dead,scripted,loss,airtime,jam,cut,paused,pose
+///     12,2,1,9,4410,0,3,0,0,0,0,0,0,0,0,0
 ///
 /// A row is what became of one robot's messages at another within the 2 s that begin at t_s. In
 /// most of them most pairs are out of range: without a message heard or lost there is no row, and

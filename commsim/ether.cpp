@@ -9,8 +9,8 @@
 namespace muster::commsim {
 namespace {
 
-constexpr std::array<const char*, kDrops> kDropNames{"none", "range",   "wall", "dead", "scripted",
-                                                     "loss", "airtime", "jam",  "cut",  "paused"};
+constexpr std::array<const char*, kDrops> kDropNames{
+    "none", "range", "wall", "dead", "scripted", "loss", "airtime", "jam", "cut", "paused", "pose"};
 
 Drop physical(const radio::Reception& reception) {
   switch (reception.link) {
@@ -81,7 +81,10 @@ void Ether::out_of_reach(std::size_t sender, const std::vector<Place>& places,
 std::vector<Verdict> Ether::send(std::size_t sender, std::uint64_t n, std::size_t bytes,
                                  const std::vector<Place>& places, SimTime now) {
   std::vector<Verdict> verdicts(robots_);
-  if (!places[sender].alive()) return verdicts;
+  if (!places[sender].alive()) {
+    for (Verdict& verdict : verdicts) verdict.drop = places[sender].absence();
+    return verdicts;
+  }
   out_of_reach(sender, places, verdicts);
   std::vector<bool> has_it(robots_);
   has_it[sender] = true;

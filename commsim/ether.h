@@ -24,8 +24,9 @@ enum class Drop : std::uint8_t {
   kJam,
   kCut,
   kPaused,
+  kPose,
 };
-inline constexpr std::size_t kDrops = 10;
+inline constexpr std::size_t kDrops = 11;
 const char* to_string(Drop reason);
 
 /// A robot as the radio sees it.
@@ -34,9 +35,13 @@ struct Place {
   Vec3 p = Vec3::Zero();
   bool process_alive = true, vehicle_alive = true;
   bool paused = false, jammed = false;
-  bool alive() const { return process_alive && vehicle_alive && !paused; }
-  /// Why it hears nothing when it is not alive.
-  Drop absence() const { return paused ? Drop::kPaused : Drop::kDead; }
+  bool located = true;  ///< `p` is where it is; not so in a lab that lost sight of it
+  bool alive() const { return process_alive && vehicle_alive && !paused && located; }
+  /// Why it hears nothing, and is not heard, when it is not alive.
+  Drop absence() const {
+    if (paused) return Drop::kPaused;
+    return located ? Drop::kDead : Drop::kPose;
+  }
 };
 
 /// What became of a message at one receiver.

@@ -1,3 +1,5 @@
+#include <atomic>
+#include <csignal>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -6,6 +8,7 @@
 #include "common/core/log.h"
 #include "common/core/program.h"
 #include "common/dds/lockstep.h"
+#include "commsim/lab_radio.h"
 #include "commsim/relay.h"
 #include "commsim/world/hub_cli.h"
 
@@ -26,6 +29,35 @@ void listen(LineChannel& control, dds::RadioLockstep& radio) {
     if (message.contains("expected"))
       radio.expected(RobotId{message["expected"].get<std::uint32_t>()});
   }
+}
+
+volatile std::sig_atomic_t g_stop = 0;
+
+/// Until the launcher hangs up; without one, until Ctrl-C.
+int run_lab(const commsim::LabOptions& options) {
+  end_with_launcher();
+  log::open(options.out + "/logs", "commsim");
+  LineChannel control(options.control_fd);
+  const auto tell = [&](const nlohmann::json& message) {
+    if (options.control_fd >= 0) control.write_line(message.dump());
+  };
+  commsim::LabRadio radio(options, tell);
+  std::atomic<bool> left = false;
+  std::jthread listener;
+  if (options.control_fd >= 0) {
+    listener = std::jthread([&] {
+      while (control.read_line()) {
+      }
+      left = true;
+    });
+  } else {
+    for (int signal : {SIGTERM, SIGINT}) std::signal(signal, [](int) { g_stop = 1; });
+  }
+  tell({{"started", true}});
+  radio.run([&] { return left || g_stop != 0; });
+  tell({{"radio", radio.finish()}});
+  log::info("ended");
+  return 0;
 }
 
 int run(const world::HubOptions& options) {
@@ -74,12 +106,23 @@ int run(const world::HubOptions& options) {
 
 int main(int argc, char** argv) {
   return muster::run_program("muster-commsim", [&] {
-    muster::world::HubOptions options;
+    muster::commsim::LabOptions options;
+    bool lab = false;
     CLI::App app{
         "muster-commsim: the radio. Hears what every robot sends, decides by range and walls who "
         "receives it, and delivers it one tick later. Started by `muster run`; robots in the field "
-        "have a real radio instead."};
+        "have a real radio instead, robots in a lab have this one (`muster lab`)."};
     muster::world::add_hub_options(app, options, "directory for air.csv; its logs/ gets the log");
-    return muster::parse_command_line(app, argc, argv) ? muster::run(options) : 0;
+    app.add_flag("--lab", lab,
+                 "real time, and poses from a motion capture: no barrier, no world; --domain is "
+                 "that of the poses");
+    app.add_option("--transport-profile", options.profile,
+                   "in a lab, the network of the radio: sim-localhost, wired or wifi-unicast")
+        ->capture_default_str();
+    app.add_option("--interface", options.network_interface, "in a lab, its network interface");
+    app.add_option("--peers", options.peers, "in a lab, addresses of the robots' computers")
+        ->delimiter(',');
+    if (!muster::parse_command_line(app, argc, argv)) return 0;
+    return lab ? muster::run_lab(options) : muster::run(options);
   });
 }

@@ -274,6 +274,10 @@ void Relay::set_alive(RobotId robot, bool alive) {
   if (!alive) impl_->judge(robot);
 }
 
+void Relay::set_located(RobotId robot, bool located) {
+  if (Place* place = impl_->place_of(robot)) place->located = located;
+}
+
 void Relay::judge_journals_in(const std::string& dir) { impl_->journals = dir; }
 
 void Relay::log_to(const std::string& path) {

@@ -43,6 +43,9 @@ class Relay {
                const std::map<RobotId, std::vector<mission::Message>>& sent);
 
   void set_alive(RobotId robot, bool alive);
+  /// Where `robot` is is known (it is at first), or not: then it is unheard and hears nothing, for
+  /// want of a `pose`.
+  void set_located(RobotId robot, bool located);
   /// Robots keep their journals below `dir`, the directory of their results. Each is judged by what
   /// its robot had promised (Promises), when the robot dies and at `finish`.
   void judge_journals_in(const std::string& dir);

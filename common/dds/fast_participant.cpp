@@ -14,6 +14,7 @@
 #include <mutex>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "common/core/error.h"
 #include "common/dds/fast_config.h"
@@ -27,6 +28,8 @@ namespace {
 namespace fast = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 using eprosima::fastrtps::types::ReturnCode_t;
+
+constexpr std::size_t kOfOneProcess = 3;  // participants, besides the one that is made
 
 template <class T>
 T* checked(T* created, const char* what) {
@@ -188,12 +191,16 @@ class FastParticipant final : public Participant {
   explicit FastParticipant(const ParticipantConfig& config)
       : profile_(config.profile), ports_(claim_ports(config)) {
     prepare_fast_library();
-    const std::uint32_t index = ports_ ? ports_->index() : config.participant;
-    participant_ = fast::DomainParticipantFactory::get_instance()->create_participant(
-        config.domain, fast_participant_qos(config, index));
+    // Fast knows a number only once per process, whatever the domain: whoever may sit anywhere
+    // moves on.
+    std::vector<PortClaim> taken;
+    while (!open(config) && ports_ && !is_hub(config) && taken.size() < kOfOneProcess) {
+      taken.push_back(std::move(*ports_));
+      ports_.emplace(*claim_ports(config));
+    }
     if (participant_ == nullptr) {
       throw Failure("DDS domain " + std::to_string(config.domain) +
-                    ": Fast DDS cannot open participant " + std::to_string(index));
+                    ": Fast DDS cannot open participant " + std::to_string(number(config)));
     }
   }
   ~FastParticipant() override {
@@ -218,6 +225,15 @@ class FastParticipant final : public Participant {
   }
 
  private:
+  std::uint32_t number(const ParticipantConfig& config) const {
+    return ports_ ? ports_->index() : config.participant;
+  }
+  bool open(const ParticipantConfig& config) {
+    participant_ = fast::DomainParticipantFactory::get_instance()->create_participant(
+        config.domain, fast_participant_qos(config, number(config)));
+    return participant_ != nullptr;
+  }
+
   fast::Topic* topic(mission::MessageClass cls) {
     const std::lock_guard lock(topics_mutex_);
     fast::Topic*& topic = topics_[cls];

@@ -44,6 +44,12 @@ ParticipantConfig air_config(const FieldConfig& config) {
 
 }  // namespace
 
+Link link_from(const std::string& name) {
+  if (name == "direct") return Link::kDirect;
+  if (name == "radio") return Link::kRadio;
+  throw BadInput("link '" + name + "' is not one of direct, radio");
+}
+
 FieldRunner::FieldRunner(const FieldConfig& config)
     : config_(config),
       bus_(make_participant(bus_config(config))),
@@ -54,9 +60,12 @@ FieldRunner::FieldRunner(const FieldConfig& config)
   if (config.station)
     samples_.add(*bus_, MessageClass::kOperatorRequest, bus_partition(config.self), on_message, {});
   commands_ = WriterSet(*bus_, kCommandClasses, bus_partition(config.self), {});
+  const bool direct = config.link == Link::kDirect;
+  const std::string hears = direct ? kAirPartition : down_partition(config.self);
+  const std::string says = direct ? kAirPartition : up_partition(config.self);
   for (MessageClass cls : mission::kAirClasses) {
-    air_in_reader_.add(*air_, cls, kAirPartition, on_message, {}, Delivery::kBestEffort);
-    air_out_.add(*air_, cls, kAirPartition, {}, Delivery::kBestEffort);
+    air_in_reader_.add(*air_, cls, hears, on_message, {}, Delivery::kBestEffort);
+    air_out_.add(*air_, cls, says, {}, Delivery::kBestEffort);
   }
 }
 

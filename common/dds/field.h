@@ -14,12 +14,21 @@
 
 namespace muster::dds {
 
+/// Whom a robot on its own clock talks to.
+enum class Link {
+  kDirect,  ///< everybody, in partition `air`: the real radio decides who hears it
+  kRadio,   ///< a lab's muster-commsim, in partitions `up.<id>` and `down.<id>`: that decides
+};
+/// "direct" | "radio". Throws BadInput.
+Link link_from(const std::string& name);
+
 struct FieldConfig {
   RobotId self;
   bool station = false;
   Vendor vendor = Vendor::kCyclone;
   std::uint32_t bus_domain = 0;  ///< drivers (or the simulated world), on this computer only
-  std::uint32_t air_domain = 1;  ///< everybody, partition `air`
+  std::uint32_t air_domain = 1;  ///< everybody
+  Link link = Link::kDirect;
   Profile air_profile = Profile::kWifiUnicast;
   std::string network_interface;
   std::vector<std::string> peers;

@@ -33,6 +33,11 @@ inline int robot_main(int argc, char** argv, const char* name, const char* what,
     auto* peers =
         app.add_option("--peers", flags.peers, "addresses of the other robots, in the field")
             ->delimiter(',');
+    auto* link =
+        app.add_option("--link", flags.link,
+                       "in the field: direct, the real radio decides who is heard; or radio, "
+                       "`muster lab` does, by poses and walls")
+            ->capture_default_str();
     app.add_option("--set", flags.set, "KEY=VALUE: overrides a key of the mission file; repeatable")
         ->expected(1)
         ->take_all();
@@ -54,6 +59,7 @@ inline int robot_main(int argc, char** argv, const char* name, const char* what,
       if (*profile) options.profile = flags.profile;
       if (*interface) options.network_interface = flags.network_interface;
       if (*peers) options.peers = flags.peers;
+      if (*link) options.link = flags.link;
       options.set = flags.set;
       options.faults = flags.faults;
       options.speed = flags.speed;

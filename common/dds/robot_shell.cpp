@@ -59,6 +59,7 @@ std::string run_in_field(const RobotShellOptions& options, mission::Process& pro
       options.profile.empty() ? Profile::kSimLocalhost : profile_from(options.profile);
   config.network_interface = options.network_interface;
   config.peers = options.peers;
+  config.link = link_from(options.link);
   config.speed = options.speed;
   FieldRunner runner(config);
   runner.run([&](const mission::StepInput& input) { return process.step(input); }, g_stop);
@@ -91,6 +92,7 @@ RobotShellOptions RobotShellOptions::from_file(const std::string& path) {
   o.profile = file.profile;
   o.network_interface = file.network_interface;
   o.peers = file.peers;
+  o.link = file.link;
   o.air_domain = file.domain;
   o.domain = file.bus_domain;
   o.out = file.state_dir;
@@ -103,15 +105,16 @@ void RobotShellOptions::validate() const {
   if (!domain) throw BadInput("--domain: the DDS domain of the bus is needed");
   vendor_from(vendor);
   if (!profile.empty()) profile_from(profile);
+  link_from(link);
   if (!(speed > 0)) throw BadInput("--speed: must be above 0");
 }
 
 std::string RobotShellOptions::to_yaml() const {
   return fmt::format(
-      "mission: {}\nid: {}\ndds: {}\nprofile: {}\ninterface: {}\npeers: [{}]\ndomain: "
+      "mission: {}\nid: {}\ndds: {}\nprofile: {}\ninterface: {}\npeers: [{}]\nlink: {}\ndomain: "
       "{}\nbus_domain: {}\nstate_dir: {}\n",
       mission_file, *id, vendor, profile.empty() ? "sim-localhost" : profile,
-      network_interface.empty() ? "\"\"" : network_interface, fmt::join(peers, ", "),
+      network_interface.empty() ? "\"\"" : network_interface, fmt::join(peers, ", "), link,
       air_domain.value_or(*domain + 1), *domain, out);
 }
 

@@ -28,7 +28,8 @@ struct RobotShellOptions {
   std::string profile;  ///< of the air in the field; empty: sim-localhost
   std::string network_interface;
   std::vector<std::string> peers;
-  std::string out = ".";  ///< results and logs
+  std::string link = "direct";  ///< in the field: "direct", or "radio" in a lab (dds::Link)
+  std::string out = ".";        ///< results and logs
   double speed = 1;
   bool field = false;  ///< own clock, no barrier
 

@@ -15,6 +15,8 @@ void check(const RobotFile& robot, const YamlMap& map) {
                             "' is not a profile of a real network; use wired or wifi-unicast");
   if (robot.profile == "wifi-unicast" && robot.peers.empty())
     map.fail("peers", "wifi-unicast finds nobody by multicast; list the other robots' addresses");
+  if (robot.link != "direct" && robot.link != "radio")
+    map.fail("link", "'" + robot.link + "' is not direct, or radio as in a lab");
   // Above 99 the ports of a domain run into the ephemeral range.
   if (robot.domain >= 100) map.fail("domain", "must be below 100");
   if (robot.bus_domain >= 100) map.fail("bus_domain", "must be below 100");
@@ -34,6 +36,7 @@ RobotFile RobotFile::load(const std::string& path) {
   map.read("profile", robot.profile);
   map.read("interface", robot.network_interface);
   map.read("peers", robot.peers);
+  map.read("link", robot.link);
   map.read("domain", robot.domain);
   map.read("bus_domain", robot.bus_domain);
   map.read("state_dir", robot.state_dir);

@@ -18,6 +18,7 @@ struct RobotFile {
   std::string profile = "wired";   ///< as `dds::profile_from` takes it: "wired" or "wifi-unicast"
   std::string network_interface;   ///< `interface`: name or address; empty: the vendor's choice
   std::vector<std::string> peers;  ///< static peers; wifi-unicast needs them
+  std::string link = "direct";     ///< as `dds::link_from` takes it; "radio" in a lab
   std::uint32_t domain = 60;       ///< air, below 100
   std::uint32_t bus_domain = 61;   ///< never leaves this computer, below 100
   std::string state_dir;           ///< default: /var/lib/muster/<id>

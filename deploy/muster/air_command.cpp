@@ -128,7 +128,8 @@ void add_air_command(CLI::App& app) {
       "Reasons: range (too far), wall, loss (faded, or drawn), airtime (the air was busy for too "
       "long),\n"
       "dead (one of the two was), and by the mission's script: jam, cut, paused, scripted "
-      "(muted).\n"
+      "(muted);\n"
+      "pose: in a lab, one of the two was out of sight.\n"
       "The record is DIR/air.csv.");
   command->callback([dir, json] {
     const AirData air = read_air(*dir);

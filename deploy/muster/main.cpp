@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
     command::Action action;
     command::add_run_command(app, action);
     command::add_ctl_command(app, action);
+    command::add_lab_command(app, action);
     command::add_report_command(app);
     command::add_air_command(app);
     command::add_scene_command(app);

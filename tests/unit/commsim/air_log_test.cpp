@@ -42,9 +42,9 @@ TEST_CASE("what was heard and lost is a row for its two seconds, in order") {
   CHECK(lines_of(path()) ==
         std::vector<std::string>{
             "t_s,from,to,heard,heard_bytes,dropped_bytes,range,wall,dead,scripted,loss,airtime,"
-            "jam,cut,paused",
-            "0,3,5,2,150,0,0,0,0,0,0,0,0,0,0", "0,9,3,0,0,70,0,0,0,0,1,0,0,0,0",
-            "2,5,3,1,8,0,0,0,0,0,0,0,0,0,0"});
+            "jam,cut,paused,pose",
+            "0,3,5,2,150,0,0,0,0,0,0,0,0,0,0,0", "0,9,3,0,0,70,0,0,0,0,1,0,0,0,0,0",
+            "2,5,3,1,8,0,0,0,0,0,0,0,0,0,0,0"});
   std::filesystem::remove(path());
 }
 
@@ -60,9 +60,9 @@ TEST_CASE("silence takes no rows, and its drops are not forgotten") {
   CHECK(lines_of(path()) ==
         std::vector<std::string>{
             "t_s,from,to,heard,heard_bytes,dropped_bytes,range,wall,dead,scripted,loss,airtime,"
-            "jam,cut,paused",
-            "50,1,2,1,7,5200,520,0,0,0,0,0,0,0,0", "98,1,2,0,0,4800,480,0,0,0,0,0,0,0,0",
-            "98,2,1,0,0,1000,0,0,1000,0,0,0,0,0,0"});
+            "jam,cut,paused,pose",
+            "50,1,2,1,7,5200,520,0,0,0,0,0,0,0,0,0", "98,1,2,0,0,4800,480,0,0,0,0,0,0,0,0,0",
+            "98,2,1,0,0,1000,0,0,1000,0,0,0,0,0,0,0"});
   std::filesystem::remove(path());
 }
 

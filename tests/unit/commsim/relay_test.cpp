@@ -212,6 +212,16 @@ TEST_CASE(
   CHECK(told.step(truth(20, kTogether), {{kA, {beacon(kA, 2)}}}).deliveries.size() == 2);
 }
 
+TEST_CASE("whose place nobody knows is unheard and hears nothing, and that is the reason") {
+  Relay relay(mission_of_three(), open_air);
+  relay.set_located(kB, false);
+  const auto out = relay.step(truth(1, kTogether), {{kA, {beacon(kA, 1)}}, {kB, {beacon(kB, 1)}}});
+  CHECK(out.deliveries.size() == 1);
+  CHECK(relay.summary()["air"]["dropped"]["pose"] == 3);
+  relay.set_located(kB, true);
+  CHECK(relay.step(truth(2, kTogether), {{kB, {beacon(kB, 2)}}}).deliveries.size() == 2);
+}
+
 TEST_CASE("a ray is asked for once per pair, and only within range") {
   int rays = 0;
   Relay relay(mission_of_three(), [&](const Vec3&, const Vec3&) { return ++rays > 0; });

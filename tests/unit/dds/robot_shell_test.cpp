@@ -31,7 +31,8 @@ class RobotsFile {
 TEST_CASE("a robot in the field takes everything from its file") {
   const RobotsFile file(
       "mission: m.yaml\nid: 3\ndds: fastdds\nprofile: wifi-unicast\ninterface: wlan0\n"
-      "peers: [10.0.0.1, 10.0.0.2]\ndomain: 50\nbus_domain: 52\nstate_dir: /tmp/state\n");
+      "peers: [10.0.0.1, 10.0.0.2]\nlink: radio\ndomain: 50\nbus_domain: 52\nstate_dir: "
+      "/tmp/state\n");
   const RobotShellOptions o = RobotShellOptions::from_file(file.path());
   CHECK(o.field);
   CHECK(o.mission_file == (fs::path(file.path()).parent_path() / "m.yaml").string());
@@ -40,6 +41,7 @@ TEST_CASE("a robot in the field takes everything from its file") {
   CHECK(o.profile == "wifi-unicast");
   CHECK(o.network_interface == "wlan0");
   CHECK(o.peers == std::vector<std::string>{"10.0.0.1", "10.0.0.2"});
+  CHECK(o.link == "radio");
   CHECK(o.air_domain == 50);
   CHECK(o.domain == 52);
   CHECK(o.out == "/tmp/state");
@@ -78,5 +80,6 @@ TEST_CASE("a robot that does not know who or where it is does not start") {
   refused([](RobotShellOptions& c) { c.domain.reset(); });
   refused([](RobotShellOptions& c) { c.vendor = "opendds"; });
   refused([](RobotShellOptions& c) { c.profile = "pigeon"; });
+  refused([](RobotShellOptions& c) { c.link = "string"; });
   refused([](RobotShellOptions& c) { c.speed = 0; });
 }

@@ -164,6 +164,15 @@ TEST_CASE("a domain that is taken or does not exist is refused in one line") {
   CHECK_THROWS_AS(make_participant(nowhere), Failure);
 }
 
+TEST_CASE("one process joins two domains in which everyone finds everyone") {
+  const Vendor vendor = GENERATE(Vendor::kCyclone, Vendor::kFast);
+  ParticipantConfig one = config(vendor, 121), other = config(vendor, 122, kDomain + 1);
+  one.star = other.star = false;
+  const auto first = make_participant(one), second = make_participant(other);
+  CHECK(first);
+  CHECK(second);
+}
+
 TEST_CASE("the shuffle loses nothing and keeps no order") {
   ParticipantConfig shuffled = config(Vendor::kCyclone, 0);
   shuffled.shuffle_seed = 5;

@@ -51,6 +51,7 @@ TEST_CASE("a robot file that cannot work is refused in one line that names the k
   CHECK_THAT(complaint(kGood + "dds: opendds\n"),
              Catch::Contains("dds") && Catch::Contains("cyclonedds or fastdds"));
   CHECK_THAT(complaint(kGood + "profile: wifi-unicast\n"), Catch::Contains("peers"));
+  CHECK_THAT(complaint(kGood + "link: string\n"), Catch::Contains(":3: link"));
   CHECK_THAT(complaint(kGood + "domain: 100\n"), Catch::Contains("below 100"));
   CHECK_THAT(complaint(kGood + "domain: 61\n"), Catch::Contains("must differ"));
   CHECK_THAT(complaint("mission: a\nid: -1\n"), Catch::Contains("id"));
