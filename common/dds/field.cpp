@@ -54,7 +54,7 @@ FieldRunner::FieldRunner(const FieldConfig& config)
     : config_(config),
       bus_(make_participant(bus_config(config))),
       air_(make_participant(air_config(config))),
-      clock_(config.station, config.speed) {
+      own_(config.station, config.speed) {
   const OnMessage on_message = inbox_.on_message();
   samples_ = ReaderSet(*bus_, kSampleClasses, bus_partition(config.self), on_message, {});
   if (config.station)
@@ -71,24 +71,13 @@ FieldRunner::FieldRunner(const FieldConfig& config)
 
 FieldRunner::~FieldRunner() = default;
 
-double FieldRunner::now_s() const { return clock_.at(monotonic_s()); }
-
-void FieldRunner::correct_clock(const Message& message) {
-  if (message.cls == MessageClass::kBeacon) {
-    const auto beacon = decode<mission::Beacon>(message);
-    clock_.beacon_says(beacon.stratum, beacon.mission_time.s(), monotonic_s());
-  } else if (message.cls == MessageClass::kOdometry) {
-    const double driver_s = decode<mission::Odometry>(message).time.s();
-    if (!clock_.set()) log::info("the drivers' clock says {:.3f} s", driver_s);
-    clock_.driver_says(driver_s, monotonic_s());
-  }
-}
+double FieldRunner::now_s() const { return own_.clock().at(monotonic_s()); }
 
 void FieldRunner::sort_in(std::vector<Message>&& messages) {
   for (Message& message : messages) {
     try {
       if (peek_envelope(message.cdr).src == config_.self) continue;
-      correct_clock(message);
+      own_.hear(message, monotonic_s());
     } catch (const std::exception& e) {
       log::warn("refused a message: {}", e.what());
       continue;
@@ -98,7 +87,7 @@ void FieldRunner::sort_in(std::vector<Message>&& messages) {
 }
 
 void FieldRunner::run(const Step& step, const volatile std::sig_atomic_t& stop) {
-  while (!clock_.set() && !stop)
+  while (!own_.clock().set() && !stop)
     sort_in(inbox_.take(Clock::now() + std::chrono::milliseconds(200)));
   std::uint64_t k = 0;
   while (!stop) {
@@ -116,7 +105,9 @@ void FieldRunner::run(const Step& step, const volatile std::sig_atomic_t& stop) 
                              .air = std::exchange(air_in_, {})};
     sort_messages(input.bus);
     sort_messages(input.air);
-    const mission::StepOutput output = step(input);
+    own_.enter(input, monotonic_s());
+    mission::StepOutput output = step(input);
+    own_.leave(output, monotonic_s());
     for (const Message& message : output.air) air_out_.write(message);
     for (const Message& message : output.bus) commands_.write(message);
   }

@@ -9,7 +9,7 @@
 #include "common/core/time.h"
 #include "common/dds/barrier.h"
 #include "common/dds/inbox.h"
-#include "common/dds/mission_clock.h"
+#include "common/dds/own_clock.h"
 #include "common/mission/process.h"
 
 namespace muster::dds {
@@ -52,7 +52,6 @@ class FieldRunner {
 
  private:
   void sort_in(std::vector<mission::Message>&& messages);
-  void correct_clock(const mission::Message& message);
   double now_s() const;
 
   FieldConfig config_;
@@ -61,7 +60,7 @@ class FieldRunner {
   ReaderSet samples_, air_in_reader_;
   WriterSet commands_, air_out_;
   std::vector<mission::Message> bus_in_, air_in_;
-  MissionClock clock_;
+  OwnClock own_;
 };
 
 }  // namespace muster::dds

@@ -13,6 +13,7 @@
 #include "common/core/program.h"
 #include "common/dds/field.h"
 #include "common/dds/lockstep.h"
+#include "common/dds/own_clock.h"
 #include "common/mission/robot_file.h"
 
 namespace muster::dds {
@@ -138,8 +139,9 @@ int run_robot(const RobotShellOptions& options, bool station, const MakeProcess&
   log::open(options.out + "/logs", fmt::format("{}-{}", station ? "gcs" : "agent", self.value));
   std::unique_ptr<store::Journal> journal = open_journal(options, self);
   const std::uint64_t after = journal ? journal->epoch() + 1 : 0;
-  const std::unique_ptr<mission::Process> process =
+  std::unique_ptr<mission::Process> process =
       make_process(mission.without_script(), self, std::max(epoch_of(options), after));
+  if (!options.field) process = with_own_clock(std::move(process), mission);
   store::Journal* const kept = journal.get();  // the process owns it from here
   if (journal) process->keep(std::move(journal));
   try {

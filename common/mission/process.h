@@ -13,6 +13,7 @@ namespace muster::mission {
 struct StepInput {
   std::uint64_t tick = 0;
   SimTime now;
+  Duration clock_bound{};  ///< how far `now` may be from the station's (dds::MissionClock)
   std::vector<Message> bus;
   std::vector<Message> air;
 };

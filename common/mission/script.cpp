@@ -21,15 +21,24 @@ struct Verb {
   Whom whom = Whom::kEveryone;
   bool lasts = false;
 };
-constexpr std::array kVerbs{Verb{"kill", Whom::kOne},           Verb{"revive", Whom::kOne},
-                            Verb{"hold", Whom::kAny},           Verb{"resume", Whom::kAny},
-                            Verb{"return", Whom::kAny},         Verb{"land", Whom::kAny},
-                            Verb{"abort", Whom::kAny},          Verb{"mute-beacons", Whom::kAny},
-                            Verb{"pause", Whom::kAny, true},    Verb{"jam", Whom::kEveryone, true},
-                            Verb{"cut", Whom::kPair, true},     Verb{"loss", Whom::kEveryone, true},
-                            Verb{"drain", Whom::kAny},          Verb{"blind", Whom::kAny, true},
-                            Verb{"full-disk", Whom::kAny, true}};
+constexpr std::array kVerbs{Verb{"kill", Whom::kOne},
+                            Verb{"revive", Whom::kOne},
+                            Verb{"hold", Whom::kAny},
+                            Verb{"resume", Whom::kAny},
+                            Verb{"return", Whom::kAny},
+                            Verb{"land", Whom::kAny},
+                            Verb{"abort", Whom::kAny},
+                            Verb{"mute-beacons", Whom::kAny},
+                            Verb{"pause", Whom::kAny, true},
+                            Verb{"jam", Whom::kEveryone, true},
+                            Verb{"cut", Whom::kPair, true},
+                            Verb{"loss", Whom::kEveryone, true},
+                            Verb{"drain", Whom::kAny},
+                            Verb{"blind", Whom::kAny, true},
+                            Verb{"full-disk", Whom::kAny, true},
+                            Verb{"skew", Whom::kAny}};
 constexpr double kLatest_s = 1e7;  // no mission is longer; what is may not fit into microseconds
+constexpr double kMostSkew_s = 3600;
 constexpr const char* kChaos = "chaos";
 /// Of its part of the time, the share in which a robot of a `chaos` may die.
 constexpr double kDyingShare = 0.5;
@@ -89,6 +98,9 @@ void read_values(YamlMap& map, ScriptedEvent& e) {
   } else if (e.verb == "drain") {
     map.require("charge", e.value);
     read_between(map, "charge", e.value, 0, 1);
+  } else if (e.verb == "skew") {
+    map.require("by_s", e.value);
+    read_between(map, "by_s", e.value, -kMostSkew_s, kMostSkew_s);
   }
 }
 
@@ -194,6 +206,7 @@ void write_script(std::ostream& out, const std::vector<ScriptedEvent>& script) {
       out << fmt::format(", center: [{}, {}, {}], radius_m: {}", e.center.x(), e.center.y(),
                          e.center.z(), e.radius_m);
     if (e.verb == "loss") out << fmt::format(", probability: {}", e.value);
+    if (e.verb == "skew") out << fmt::format(", by_s: {}", e.value);
     if (e.verb == "drain") out << fmt::format(", charge: {}", e.value);
     if (e.lasts.us > 0) out << fmt::format(", for_s: {}", e.lasts.decimal_s());
     out << "}\n";

@@ -27,13 +27,13 @@ struct Mission;
 /// | {at_s: 60, verb: drain, robot: 3, charge: 0.1}            | the battery's level, 0 … 1       |
 /// | {at_s: 60, verb: blind, robot: 2, for_s: 30}              | the camera sees nothing          |
 /// | {at_s: 60, verb: full-disk, robot: 2, for_s: 30}          | its journal cannot be written    |
+/// | {at_s: 60, verb: skew, robot: 2, by_s: 60}               | its clock is wrong (OwnClock)    |
 /// | {at_s: 60, verb: hold}, resume, return, land, abort       | as the operator would ask        |
 /// | {verb: chaos, from_s: 60, until_s: 900, down_s: [5, 30]}  | everyone dies once, comes back   |
 ///
 /// Without `robot` it happens to everyone (not kill and revive, which name one). Chaos is replaced
-/// by the kills and revivals that it stands for, drawn from the mission's seed: robots die one
-/// after the other in a drawn order, each in its own part of the time, and never are all dead at
-/// once.
+/// by kills and revivals drawn from the mission's seed: robots die one after the other in a drawn
+/// order, each in its own part of the time, and never are all dead at once.
 struct ScriptedEvent {
   SimTime at;
   std::string verb;
@@ -42,7 +42,7 @@ struct ScriptedEvent {
   Duration lasts{};          ///< verbs with `for_s`
   Vec3 center = Vec3::Zero();
   double radius_m = 0;
-  double value = 0;  ///< loss: probability; drain: charge
+  double value = 0;  ///< loss: probability; drain: charge; skew: s
 
   bool concerns(RobotId id) const { return robot == kNoRobot || robot == id; }
   bool in_force(SimTime now) const { return at <= now && now < at + lasts; }

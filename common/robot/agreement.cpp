@@ -76,21 +76,22 @@ void Agreement::clear() {
 
 mission::Rung Agreement::next(const Knowledge& k) const {
   for (const mission::Rung& rung : ladder_) {
-    if (rung.until >= k.now()) return rung;
+    if (rung.until >= k.surely_past()) return rung;
   }
   const SimTime after = ladder_.empty() ? since_ : ladder_.back().until;
-  return standing_rung(k.mission().standing, std::max(after, k.now()));
+  return standing_rung(k.mission().standing, std::max(after, k.surely_past()));
 }
 
 int Agreement::missed(const Knowledge& k) const {
   int missed = 0;
-  for (const mission::Rung& rung : ladder_) missed += rung.until < k.now() ? 1 : 0;
+  const SimTime past = k.surely_past();
+  for (const mission::Rung& rung : ladder_) missed += rung.until < past ? 1 : 0;
   if (missed < static_cast<int>(ladder_.size())) return missed;
   // Before it was started nobody could have met it: of these nobody missed any.
   const SimTime after = std::max(ladder_.empty() ? since_ : ladder_.back().until, k.started());
   const mission::Rung first = standing_rung(k.mission().standing, after);
-  if (k.now() <= first.until) return missed;
-  const mission::Rung now = standing_rung(k.mission().standing, k.now());
+  if (past <= first.until) return missed;
+  const mission::Rung now = standing_rung(k.mission().standing, past);
   return missed + static_cast<int>((now.from - first.from).us / k.mission().standing.period.us);
 }
 

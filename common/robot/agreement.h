@@ -19,7 +19,8 @@ namespace muster::robot {
 /// An acknowledgement that arrives after the contact is void: then the station follows m+1 and the
 /// explorer m, and both end on the same
 /// **standing rung**, the mission's place and times t0 + j·T. Rungs are tried in order; one whose
-/// window has passed was missed.
+/// window has passed was missed. Windows are longer by what one's own clock may be wrong: what is
+/// past has to be past on the partner's clock, too.
 class Agreement {
  public:
   Agreement(RobotId self, RobotId partner) : self_(self), partner_(partner) {}

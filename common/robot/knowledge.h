@@ -59,6 +59,8 @@ class Knowledge {
   std::uint64_t epoch() const { return store_.epoch(); }
 
   SimTime now() const { return now_; }
+  /// What has to be past on everybody's clock is past only before this.
+  SimTime surely_past() const { return now_ - clock_bound_; }
   /// The first tick of this process: what somebody did not do before, it could not have seen.
   SimTime started() const { return started_.value_or(now_); }
   const mission::Odometry& odometry() const { return odometry_; }
@@ -100,9 +102,10 @@ class Knowledge {
   const std::map<RobotId, SimTime>& declared_lost() const { return lost_; }
 
   // ---- writing (platform and the owner's strategy)
-  void begin(SimTime now) {
+  void begin(SimTime now, Duration clock_bound = {}) {
     if (!started_) started_ = now;
     now_ = now;
+    clock_bound_ = clock_bound;
   }
   /// Takes up what an earlier start of this robot kept. Before the first tick.
   void restore(store::Journal& journal);
@@ -130,6 +133,7 @@ class Knowledge {
   RobotId self_;
   nav::Limits limits_;
   SimTime now_;
+  Duration clock_bound_;
   std::optional<SimTime> started_;
   mission::Odometry odometry_;
   mission::Battery battery_;

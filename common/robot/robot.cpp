@@ -29,7 +29,7 @@ Robot::~Robot() = default;
 
 mission::StepOutput Robot::step(const mission::StepInput& input) {
   log::set_speaker(input.now, knowledge_.self());
-  knowledge_.begin(input.now);
+  knowledge_.begin(input.now, input.clock_bound);
   take_bus(input);
   take_air(input);
 

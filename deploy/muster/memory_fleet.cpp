@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/dds/order.h"
+#include "common/dds/own_clock.h"
 
 namespace muster::command {
 
@@ -38,7 +39,7 @@ bool MemoryFleet::needs_journal(RobotId robot) const {
 }
 
 void MemoryFleet::start(RobotId robot) {
-  auto process = factory_(known_, robot, ++starts_[robot]);
+  auto process = dds::with_own_clock(factory_(known_, robot, ++starts_[robot]), mission_);
   if (!out_.empty() && needs_journal(robot)) {
     auto journal = std::make_unique<store::Journal>(store::Journal::path(out_, robot), robot,
                                                     store::Journal::Durability::kProcess);

@@ -81,7 +81,7 @@ void add_run_command(CLI::App& app, Action& action) {
       ->take_all();
   command->add_option("--faults", o->faults,
                       "file with a script of faults, besides the mission's: kill, revive, pause, "
-                      "jam, cut, loss, drain, blind, full-disk, chaos (see the README)");
+                      "jam, cut, loss, drain, blind, full-disk, skew, chaos (see the README)");
   command->add_flag("--print-config", o->print_config,
                     "print the mission with every key, as it would be flown, and end");
   command->add_option("--external", o->external, "robots that you start yourself, by id")

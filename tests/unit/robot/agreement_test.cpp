@@ -132,3 +132,18 @@ TEST_CASE("who starts again goes on with what was agreed on") {
   p.time(91, false);
   CHECK(explorer.next(p.explorer).from == at(120));
 }
+
+TEST_CASE("a window has passed only when it has passed on a clock that may be right as well") {
+  Pair p;
+  p.time(0, true);
+  p.at_explorer.propose(p.explorer, p.ladder(60), RegionId{0});
+  p.exchange();
+  CHECK(p.at_station.update(p.station));
+  const Duration bound = Duration::from_s(20);
+  p.station.begin(at(109), bound);
+  CHECK(p.at_station.next(p.station).from == at(60));
+  CHECK(p.at_station.missed(p.station) == 0);
+  p.station.begin(at(111), bound);
+  CHECK(p.at_station.next(p.station).from == at(120));
+  CHECK(p.at_station.missed(p.station) == 1);
+}
