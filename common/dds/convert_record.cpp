@@ -21,12 +21,9 @@ void fields(const Io& io, air::RecordHeader& w, P& p) {
 
 template <class Io, class P>
 void fields(const Io& io, air::MapBlock& w, P& p) {
-  io(w.ix(), p.ix);
-  io(w.iy(), p.iy);
-  io(w.iz(), p.iz);
   io(w.resolution_m(), p.resolution_m);
   io(w.encoding(), p.encoding);
-  io(w.voxels(), p.voxels);
+  io(w.blocks(), p.blocks);
 }
 
 template <class Io, class P>

@@ -9,9 +9,6 @@
 
 namespace muster::map {
 
-/// One bit per voxel of a block: voxel (x, y, z) at bit x + 16·y + 256·z of 64 words, so a row
-/// along x is 16 neighbouring bits and a whole block is compared, merged or counted in 64 steps.
-using Plane = std::array<std::uint64_t, 64>;
 inline constexpr int kBlockVoxels = kBlockSide * kBlockSide * kBlockSide;
 
 inline int local_index(VoxelKey k) { return (k.x & 15) | (k.y & 15) << 4 | (k.z & 15) << 8; }
@@ -44,10 +41,6 @@ using Evidence = std::int8_t;
 inline constexpr Evidence kNoEvidence = -128;
 inline constexpr float kEvidenceStep = 0.05f;
 
-struct States {
-  Plane free{}, occupied{};
-};
-
 struct OwnBlock {
   OwnBlock() { evidence.fill(kNoEvidence); }
   std::array<Evidence, kBlockVoxels> evidence;
@@ -64,9 +57,10 @@ struct Block {
   std::array<Block*, 27>
       around{};  ///< [dx+1 + 3(dy+1) + 9(dz+1)]; null: not allocated; [13] is itself
   std::unique_ptr<OwnBlock> own;
-  std::map<RobotId, std::unique_ptr<States>> others;
-  std::unique_ptr<Plane> inside;  ///< voxels that are mapped; null: all of them
-  std::unique_ptr<Plane> fence;   ///< voxels within the bounds: where a body may be; null: all
+  std::map<RobotId, std::unique_ptr<States>> others;  ///< the last that each said of each voxel
+  std::unique_ptr<States> told;                       ///< the same of this robot's own
+  std::unique_ptr<Plane> inside;                      ///< voxels that are mapped; null: all of them
+  std::unique_ptr<Plane> fence;  ///< voxels within the bounds: where a body may be; null: all
   std::uint64_t changed_at = 0, own_changed_at = 0;
   std::uint64_t touched_scan = 0;  ///< last scan that changed own evidence
   std::uint32_t border_changed =

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "common/core/error.h"
-#include "common/map/block_codec.h"
 #include "common/map/block_store.h"
 #include "common/map/own_map.h"
 #include "common/map/watch.h"
@@ -52,14 +51,28 @@ class Reader {
 
 constexpr double kDrivingPlaneM = 0.3;
 
-void check_number(BlockKey b) {
-  constexpr int kFar = 1 << 20;  // what `pack` can number
-  if (std::max({std::abs(b.x), std::abs(b.y), std::abs(b.z)}) >= kFar) {
-    throw BadInput("map block: ix, iy, iz: must be within ±1048575");
+/// The newer word takes the place of the older one. Returns which words of the planes changed.
+std::uint64_t say(States& of, const States& newer) {
+  std::uint64_t differ = 0;
+  for (std::size_t w = 0; w < 64; ++w) {
+    const std::uint64_t free = (of.free[w] & ~newer.occupied[w]) | newer.free[w];
+    const std::uint64_t occupied = (of.occupied[w] & ~newer.free[w]) | newer.occupied[w];
+    differ |= std::uint64_t{free != of.free[w] || occupied != of.occupied[w]} << w;
+    of.free[w] = free;
+    of.occupied[w] = occupied;
   }
+  return differ;
 }
 
 }  // namespace
+
+void take_back(States& older, const States& newer) {
+  for (std::size_t w = 0; w < 64; ++w) {
+    const std::uint64_t still = ~(newer.free[w] | newer.occupied[w]);
+    older.free[w] &= still;
+    older.occupied[w] &= still;
+  }
+}
 
 VoxelMap::VoxelMap(const MapConfig& config) : impl_(std::make_unique<Impl>(config)) {}
 VoxelMap::~VoxelMap() = default;
@@ -195,39 +208,51 @@ std::vector<BlockKey> VoxelMap::own_changes(std::uint64_t& cursor) const {
   return impl_->blocks.own_changes(cursor);
 }
 
-Bytes VoxelMap::encode_own(BlockKey b) const {
-  std::vector<Voxel> voxels(kBlockVoxels, Voxel::kUnknown);
-  if (const Block* block = impl_->blocks.find(b); block && block->own) {
-    for (int i = 0; i < kBlockVoxels; ++i) {
-      if (bit(block->own->states.occupied, i))
-        voxels[static_cast<std::size_t>(i)] = Voxel::kOccupied;
-      if (bit(block->own->states.free, i)) voxels[static_cast<std::size_t>(i)] = Voxel::kFree;
-    }
-  }
-  return encode_block(voxels);
+SaidBlock VoxelMap::own_block(BlockKey b) const {
+  const Block* block = impl_->blocks.find(b);
+  return {b, block && block->own ? block->own->states : States{}};
 }
 
-void VoxelMap::adopt_own(BlockKey b, ByteView zstd_2bit) {
-  const States states = decode_states(zstd_2bit);
-  check_number(b);
-  if (Block* block = impl_->blocks.obtain(b)) impl_->own.adopt(*block, states);
+void VoxelMap::adopt_own(const SaidBlock& own) {
+  if (Block* block = impl_->blocks.obtain(own.key)) impl_->own.adopt(*block, own.said);
   impl_->blocks.commit();
 }
 
-void VoxelMap::merge(RobotId author, BlockKey b, ByteView zstd_2bit) {
-  const States news = decode_states(zstd_2bit);
-  check_number(b);
-  Block* block = impl_->blocks.obtain(b);
-  if (!block) return;
-  std::unique_ptr<States>& states = block->others[author];
-  if (!states) states = std::make_unique<States>();
-  std::uint64_t differ = 0;
+std::optional<SaidBlock> VoxelMap::news(BlockKey b) const {
+  const Block* block = impl_->blocks.find(b);
+  if (!block || !block->own) return std::nullopt;
+  static const States nothing;
+  const States& told = block->told ? *block->told : nothing;
+  SaidBlock news{b, block->own->states};
+  std::uint64_t any = 0;
   for (std::size_t w = 0; w < 64; ++w) {
-    const bool same = states->free[w] == news.free[w] && states->occupied[w] == news.occupied[w];
-    differ |= std::uint64_t{!same} << w;
+    std::uint64_t free = told.free[w], occupied = told.occupied[w];
+    for (const auto& [author, states] : block->others) {
+      free |= states->free[w];
+      occupied |= states->occupied[w];
+    }
+    // Where somebody else says occupied, a word of free changes nothing: unless it was our own.
+    news.said.free[w] &= ~(free | occupied) | told.occupied[w];
+    news.said.occupied[w] &= ~occupied | told.free[w];
+    any |= news.said.free[w] | news.said.occupied[w];
   }
-  *states = news;
-  impl_->blocks.merge_states(*block, differ);
+  return any == 0 ? std::nullopt : std::optional(news);
+}
+
+void VoxelMap::told(const SaidBlock& block) {
+  Block* const known = impl_->blocks.obtain(block.key);
+  if (!known) return;
+  if (!known->told) known->told = std::make_unique<States>();
+  say(*known->told, block.said);
+  impl_->blocks.commit();
+}
+
+void VoxelMap::merge(RobotId author, const SaidBlock& block) {
+  Block* const known = impl_->blocks.obtain(block.key);
+  if (!known) return;
+  std::unique_ptr<States>& states = known->others[author];
+  if (!states) states = std::make_unique<States>();
+  impl_->blocks.merge_states(*known, say(*states, block.said));
   impl_->blocks.commit();
 }
 

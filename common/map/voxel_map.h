@@ -3,11 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "common/core/bytes.h"
 #include "common/core/ids.h"
 #include "common/core/time.h"
 #include "common/geometry/box.h"
@@ -36,6 +36,23 @@ inline BlockKey block_of(VoxelKey v) { return {v.x >> 4, v.y >> 4, v.z >> 4}; }
 /// One number per block, for record keys; 21 bits per axis, offset binary.
 std::uint64_t pack(BlockKey b);
 BlockKey unpack_block(std::uint64_t key);
+
+/// One bit per voxel of a block: voxel (x, y, z) at bit x + 16·y + 256·z of 64 words, so a row
+/// along x is 16 neighbouring bits and a whole block is compared, merged or counted in 64 steps.
+using Plane = std::array<std::uint64_t, 64>;
+
+struct States {
+  Plane free{}, occupied{};
+};
+
+/// What somebody says of some voxels of a block; of the others, what was said before still holds.
+struct SaidBlock {
+  BlockKey key;
+  States said;
+};
+
+/// Leaves out of `older` what `newer` says anything of.
+void take_back(States& older, const States& newer);
 
 struct MapConfig {
   double resolution_m = 0.2;
@@ -73,14 +90,14 @@ struct Sphere {
 };
 
 /// What a robot knows of the place: its own evidence (an OctoMap OcTree, from its own scans only)
-/// merged with the blocks that others sent.
+/// merged with what others said.
 ///
 ///     own OcTree ─────┐ (evidence, log-odds)
 ///                     ├─▶ merged block grid (unknown | free | occupied)
-///     others' blocks ─┘     ─▶ traversability counts, frontiers, paths
-///     (others': the newest of each author; recomputed, never accumulated)
+///     others' words ──┘     ─▶ traversability counts, frontiers, paths
+///     (others': the last word of each author on each voxel)
 ///
-/// A merged voxel: occupied when the own map or any author's newest block says occupied and the own
+/// A merged voxel: occupied when the own map or any author's last word says occupied and the own
 /// map does not say free; else free when anyone says free; else unknown. Own evidence wins over
 /// others'.
 class VoxelMap {
@@ -135,15 +152,18 @@ class VoxelMap {
   // ---- exchange
   /// Own blocks changed since the cursor (0 at first), which is advanced. Ordered.
   std::vector<BlockKey> own_changes(std::uint64_t& cursor) const;
-  /// 16³ voxels of the own map, 2 bits each, x fastest, then y, then z, low bits first, zstd:
-  /// BlockEncoding::kZstd2Bit.
-  Bytes encode_own(BlockKey b) const;
+  /// All that the own map knows of a block.
+  SaidBlock own_block(BlockKey b) const;
   /// Own evidence of an earlier start: where the own map knows nothing, it counts like one look.
-  /// Throws BadInput when the bytes are not a block.
-  void adopt_own(BlockKey b, ByteView zstd_2bit);
-  /// Takes the newest block of `author` in place of the older one. Throws BadInput when the bytes
-  /// are not a block.
-  void merge(RobotId author, BlockKey b, ByteView zstd_2bit);
+  void adopt_own(const SaidBlock& block);
+  /// What of the own evidence would change the picture of somebody who has heard all that this map
+  /// has merged and all that was `told`: and where the own evidence has changed its mind.
+  std::optional<SaidBlock> news(BlockKey b) const;
+  /// This was said to others.
+  void told(const SaidBlock& block);
+  /// Takes the word of `author` in place of what it said before of these voxels. Its words have to
+  /// be merged in the order in which they were said.
+  void merge(RobotId author, const SaidBlock& block);
 
   // ---- change feed for frontiers and planners
   /// Blocks whose merged voxels changed since the cursor (0 at first), which is advanced. Ordered.
@@ -163,9 +183,5 @@ class VoxelMap {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// Voxels of an encoded block (4096 states). Throws BadInput.
-std::vector<Voxel> decode_block(ByteView zstd_2bit);
-Bytes encode_block(std::span<const Voxel> voxels);
 
 }  // namespace muster::map

@@ -115,12 +115,13 @@ struct Beacon {
   std::vector<DigestEntry> digest;
 };
 
-enum class BlockEncoding : std::uint32_t { kRaw2Bit = 0, kZstd2Bit = 1 };
+/// 0 and 1 were whole blocks of 2 bits a voxel.
+enum class BlockEncoding : std::uint32_t { kArithmetic = 2 };
+/// Words on some blocks; common/dds/map_block.h makes and reads them.
 struct MapBlock {
-  int ix = 0, iy = 0, iz = 0;
   float resolution_m = 0.2f;
   BlockEncoding encoding{};
-  Bytes voxels;
+  Bytes blocks;
 };
 struct Area {
   Vec3 position = Vec3::Zero();

@@ -31,6 +31,12 @@ struct StepOutput {
       planning;  ///< wall-clock cost of planning steps; reported, never decided upon
 };
 
+/// What it would cost to send, at once, all that a robot knows of the place.
+struct WholeMapBytes {
+  std::uint64_t octree = 0;  ///< as OctoMap's binary octree (the data of a `.bt` file)
+  std::uint64_t packed = 0;  ///< 2 bits a voxel in blocks of 16³, 64 blocks at a time by zstd
+};
+
 /// A robot or station as a pure function of what reaches it: no DDS, threads, clock or globals. The
 /// shells (DDS lock-step, DDS field, in-memory) call `step` once per tick and move bytes.
 class Process {
@@ -41,9 +47,8 @@ class Process {
   /// Called once before the first step, when what the process acknowledges is to be kept: it goes
   /// on with what the journal holds, and commits to it in every step before it answers.
   virtual void keep(std::unique_ptr<store::Journal>) {}
-  /// What it would cost to send, at once, all that it knows of the place: for comparison, never
-  /// decided upon.
-  virtual std::size_t whole_map_bytes() const { return 0; }
+  /// For comparison, never decided upon.
+  virtual WholeMapBytes whole_map_bytes() { return {}; }
   /// Called once after the last step: write files (map.bt, station.db) into `dir`.
   virtual void finish(const std::string& dir) = 0;
 };

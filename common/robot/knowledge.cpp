@@ -2,6 +2,8 @@
 
 #include "common/core/error.h"
 #include "common/core/log.h"
+#include "common/dds/map_block.h"
+#include "common/map/block_codec.h"
 
 namespace muster::robot {
 namespace {
@@ -95,8 +97,8 @@ void Knowledge::restore(store::Journal& journal) {
       log::warn("a record that was kept is of no use: {}", bad.what());
     }
   });
-  journal.restore_blocks([&](std::uint64_t key, const Bytes& voxels) {
-    map_.adopt_own(map::unpack_block(key), voxels);
+  journal.restore_blocks([&](std::uint64_t, const Bytes& voxels) {
+    for (const map::SaidBlock& block : map::decode_blocks(voxels)) map_.adopt_own(block);
   });
 }
 
@@ -139,14 +141,42 @@ void Knowledge::ingest(const store::Record& record) {
       areas_[ref] = {ref, dds::decode_body<mission::Area>(record), h.stamp};
       break;
     }
-    case store::RecordClass::kMap: {
-      const auto body = dds::decode_body<mission::MapBlock>(record);
-      const map::BlockKey block{body.ix, body.iy, body.iz};
-      if (h.author.robot != self_)
-        map_.merge(h.author.robot, block, body.voxels);
-      else if (h.author.epoch < epoch())
-        map_.adopt_own(block, body.voxels);
+    case store::RecordClass::kMap:
+      ingest_map(record);
       break;
+  }
+}
+
+void Knowledge::ingest_map(const store::Record& record) {
+  const store::RecordHeader& h = record.header;
+  std::vector<map::SaidBlock> said =
+      dds::said_blocks(dds::decode_body<mission::MapBlock>(record), mission_.resolution_m);
+  take_back(said, h);
+  for (const map::SaidBlock& block : said) {
+    if (h.author.robot != self_) {
+      map_.merge(h.author.robot, block);
+    } else {
+      map_.told(block);
+      if (h.author.epoch < epoch()) map_.adopt_own(block);
+    }
+  }
+}
+
+/// Leaves out of `said`, which came late, what its author has said otherwise since.
+void Knowledge::take_back(std::vector<map::SaidBlock>& said, const store::RecordHeader& h) const {
+  const auto& streams = store_.streams();
+  Bytes buffer;
+  for (auto s = streams.lower_bound({h.author.robot, h.cls, h.author.epoch});
+       s != streams.end() && s->first.robot == h.author.robot && s->first.cls == h.cls; ++s) {
+    const bool same_start = s->first.epoch == h.author.epoch;
+    for (auto r = s->second.held.upper_bound(same_start ? h.seq : 0); r != s->second.held.end();
+         ++r) {
+      const auto later = dds::decode_body<mission::MapBlock>(store_.read(*r->second, buffer));
+      for (const map::SaidBlock& newer : dds::said_blocks(later, mission_.resolution_m)) {
+        for (map::SaidBlock& older : said) {
+          if (older.key == newer.key) map::take_back(older.said, newer.said);
+        }
+      }
     }
   }
 }

@@ -126,6 +126,8 @@ class Knowledge {
  private:
   void ingest(const store::Record& record);
   void ingest_inspection(const store::Record& record);
+  void ingest_map(const store::Record& record);
+  void take_back(std::vector<map::SaidBlock>& said, const store::RecordHeader& h) const;
   void ingest_status(const store::Record& record);
   void void_older(const store::Author& author);
 

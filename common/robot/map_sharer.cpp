@@ -1,51 +1,88 @@
 #include "common/robot/map_sharer.h"
 
+#include <algorithm>
+#include <bit>
+
+#include "common/dds/map_block.h"
+
 namespace muster::robot {
 namespace {
 
-constexpr double kBlockPeriod_s = 5.0;
-constexpr double kLookPeriod_s = 3.0;
-constexpr int kBlocksPerTick = 48;
+constexpr std::int64_t kTurn_ticks = 50;  // between looks for news in company: 5 s
+constexpr std::int64_t kApart_ticks = 7;  // between one robot's turn and the next one's
+constexpr double kSettled_s = 2;          // a neighbour who comes and goes is no newcomer each time
+constexpr std::size_t kBlocks = 64;       // in one record, and so in a tick
+constexpr std::size_t kRecord_bytes = 14'000;  // a record has to stay below 16 kB
+constexpr int kFewVoxels = 100;  // four of five looks in company show fewer, mostly of edges that
+constexpr double kFewWait_s =
+    30;  // change their mind: they would cost more in headers than in words
+
+int voxels(std::span<const map::SaidBlock> news) {
+  int sum = 0;
+  for (const map::SaidBlock& block : news) {
+    for (std::size_t w = 0; w < block.said.free.size(); ++w)
+      sum += std::popcount(block.said.free[w] | block.said.occupied[w]);
+  }
+  return sum;
+}
 
 }  // namespace
 
-void MapSharer::step(Knowledge& k) {
-  const SimTime now = k.now();
-  bool company = false;
-  for (const auto& [id, mate] : k.teammates()) company = company || k.in_contact(id);
-  if (!company) {
-    met_ = false;
-    behind_ = false;
+void MapSharer::look(const Knowledge& k) {
+  std::set<RobotId> company;
+  bool fresh = false;
+  for (const auto& [id, mate] : k.teammates()) {
+    if (!k.in_contact(id)) continue;
+    company.insert(id);
+    fresh |= !company_.contains(id);
+  }
+  company_ = std::move(company);
+  if (company_.empty()) {
+    telling_ = false;
     return;
   }
-  if (!met_ || (now - looked_).s() >= kLookPeriod_s) {
-    for (const map::BlockKey& b : k.map().own_changes(cursor_)) pending_[b] = true;
-    looked_ = now;
-    met_ = true;
-  }
-  int written = 0;
-  behind_ = false;
-  for (auto it = pending_.begin(); it != pending_.end();) {
-    const auto last = published_.find(it->first);
-    if (last != published_.end() && (now - last->second).s() < kBlockPeriod_s) {
+  const std::int64_t tick = k.now().us / kTick.us;
+  const bool turn = (tick + kApart_ticks * k.self().value) % kTurn_ticks == 0;
+  const bool settled = (k.now() - looked_).s() >= kSettled_s;
+  if (!turn && !(fresh && settled)) return;
+  looked_ = k.now();
+  telling_ = true;
+  for (const map::BlockKey& b : k.map().own_changes(cursor_)) changed_.insert(b);
+}
+
+std::vector<map::SaidBlock> MapSharer::take_news(const Knowledge& k) {
+  std::vector<map::SaidBlock> news;
+  for (auto it = changed_.begin(); it != changed_.end() && news.size() < kBlocks;) {
+    if (auto block = k.map().news(*it)) {
+      news.push_back(*block);
       ++it;
-      continue;
+    } else {
+      it = changed_.erase(it);
     }
-    if (written++ == kBlocksPerTick) {
-      behind_ = true;
-      break;
-    }
-    mission::MapBlock block;
-    block.ix = it->first.x;
-    block.iy = it->first.y;
-    block.iz = it->first.z;
-    block.resolution_m = static_cast<float>(k.mission().resolution_m);
-    block.encoding = mission::BlockEncoding::kZstd2Bit;
-    block.voxels = k.map().encode_own(it->first);
-    k.publish(store::RecordClass::kMap, map::pack(it->first), block);
-    published_[it->first] = now;
-    it = pending_.erase(it);
   }
+  return news;
+}
+
+void MapSharer::tell(Knowledge& k, std::span<const map::SaidBlock> news) {
+  const mission::MapBlock record = dds::map_block(news, k.mission().resolution_m);
+  if (record.blocks.size() > kRecord_bytes && news.size() > 1) {
+    tell(k, news.first(news.size() / 2));
+    tell(k, news.subspan(news.size() / 2));
+    return;
+  }
+  k.publish(store::RecordClass::kMap, k.store().new_key(store::RecordClass::kMap), record);
+  for (const map::SaidBlock& block : news) changed_.erase(block.key);
+}
+
+void MapSharer::step(Knowledge& k) {
+  look(k);
+  if (!telling_) return;
+  const std::vector<map::SaidBlock> news = take_news(k);
+  telling_ = news.size() == kBlocks;
+  const bool few = voxels(news) < kFewVoxels;
+  if (news.empty() || (few && (k.now() - told_).s() < kFewWait_s)) return;
+  tell(k, news);
+  told_ = k.now();
 }
 
 }  // namespace muster::robot

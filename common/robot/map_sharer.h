@@ -1,26 +1,32 @@
 #pragma once
 
-#include <map>
+#include <set>
+#include <vector>
 
 #include "common/robot/knowledge.h"
 
 namespace muster::robot {
 
 /// Turns what the own map has newly seen into map records: only when somebody is there to hear
-/// them, a block at most every 5 s, and a bounded number per tick (DESIGN "Records", Map).
+/// them, and only what nobody has said before (DESIGN "Records", Map).
+///
+/// On meeting somebody all news are told at once; in company, every 5 s, robots taking turns, so
+/// that of two who see the same the second has nothing left to say. A few voxels wait for more, up
+/// to half a minute.
 class MapSharer {
  public:
   void step(Knowledge& knowledge);
-  /// Blocks that changed and could be published now, but are not yet.
-  bool behind() const { return behind_; }
 
  private:
+  void look(const Knowledge& knowledge);
+  std::vector<map::SaidBlock> take_news(const Knowledge& knowledge);
+  void tell(Knowledge& knowledge, std::span<const map::SaidBlock> news);
+
   std::uint64_t cursor_ = 0;
-  std::map<map::BlockKey, bool> pending_;
-  std::map<map::BlockKey, SimTime> published_;
-  SimTime looked_;
-  bool met_ = false;
-  bool behind_ = false;
+  std::set<map::BlockKey> changed_;  // since they were last looked at for news
+  std::set<RobotId> company_;
+  SimTime looked_, told_;
+  bool telling_ = false;
 };
 
 }  // namespace muster::robot

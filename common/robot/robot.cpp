@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "common/core/log.h"
+#include "common/map/block_codec.h"
 #include "common/robot/stopwatch.h"
-#include "common/robot/whole_map.h"
 
 namespace muster::robot {
 namespace {
@@ -72,13 +72,14 @@ void Robot::commit() {
   if (!journal_) return;
   if (knowledge_.now() >= keep_blocks_) {
     for (const map::BlockKey& b : knowledge_.map().own_changes(kept_blocks_))
-      journal_->keep_block(map::pack(b), knowledge_.map().encode_own(b));
+      journal_->keep_block(map::pack(b),
+                           map::encode_blocks(std::array{knowledge_.map().own_block(b)}));
     keep_blocks_ = knowledge_.now() + Duration::from_s(kKeepBlocks_s);
   }
   journal_->commit(knowledge_.store());
 }
 
-std::size_t Robot::whole_map_bytes() const { return robot::whole_map(knowledge_.map()).size(); }
+mission::WholeMapBytes Robot::whole_map_bytes() { return whole_map_.bytes(knowledge_.map()); }
 
 void Robot::finish(const std::string&) {}
 

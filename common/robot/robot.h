@@ -8,6 +8,7 @@
 #include "common/robot/knowledge.h"
 #include "common/robot/map_sharer.h"
 #include "common/robot/strategy.h"
+#include "common/robot/whole_map.h"
 
 namespace muster::robot {
 
@@ -25,7 +26,7 @@ class Robot : public mission::Process {
   RobotId id() const override { return knowledge_.self(); }
   mission::StepOutput step(const mission::StepInput& input) override;
   void keep(std::unique_ptr<store::Journal> journal) override;
-  std::size_t whole_map_bytes() const override;
+  mission::WholeMapBytes whole_map_bytes() override;
   void finish(const std::string& dir) override;
 
   const Knowledge& knowledge() const { return knowledge_; }
@@ -49,6 +50,7 @@ class Robot : public mission::Process {
   Guardian guardian_;
   Executive executive_;
   MapSharer map_sharer_;
+  WholeMap whole_map_;
   std::unique_ptr<store::Journal> journal_;
   Bytes body_;                     // of a record that is on its way from the journal to the radio
   std::uint64_t kept_blocks_ = 0;  // cursor of the own map's changes

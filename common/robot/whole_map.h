@@ -1,13 +1,33 @@
 #pragma once
 
-#include "common/core/bytes.h"
+#include <map>
+#include <set>
+#include <utility>
+
 #include "common/map/voxel_map.h"
+#include "common/mission/process.h"
 
 namespace muster::robot {
 
-/// All that `map` knows in one piece: 2 bits a voxel, in blocks of 16³, compressed as a whole
-/// (zstd). Nobody sends it; it is what the exchange of single blocks is compared with, and smaller
-/// than the blocks one by one would be.
-Bytes whole_map(const map::VoxelMap& map);
+/// What it would cost to send all that a map knows at once, as nobody here does: the yardstick for
+/// what the exchange of news costs. Only what changed since the last time is measured anew.
+class WholeMap {
+ public:
+  mission::WholeMapBytes bytes(const map::VoxelMap& map);
+
+ private:
+  struct Piece {
+    std::set<map::BlockKey> blocks;
+    std::uint64_t bytes = 0;
+  };
+  void measure_octree(const map::BlockKey& key, const map::BlockView& block);
+  void measure_piece(const map::VoxelMap& map, Piece& piece);
+
+  std::uint64_t cursor_ = 0;
+  mission::WholeMapBytes sum_;
+  std::map<map::BlockKey, Piece> pieces_;          // of 4³ blocks
+  std::map<map::BlockKey, std::uint64_t> inner_;   // the octree's inner nodes within a block
+  std::set<std::pair<int, map::BlockKey>> above_;  // and those above blocks, by level
+};
 
 }  // namespace muster::robot

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/core/error.h"
 #include "common/dds/convert.h"
+#include "common/dds/map_block.h"
+#include "common/map/block.h"
 
 namespace muster::world {
 namespace {
@@ -40,29 +41,17 @@ Coverage::Coverage(const mission::Mission& mission, const std::vector<Vec3>& sur
 }
 
 void Coverage::received(const store::Record& record) {
-  // The same block comes by many ways; what is no newer than what was counted adds nothing.
+  // The same record comes by many ways.
   auto& newest = newest_[{record.header.author.robot, record.header.key}];
   if (record.header.version() <= newest) return;
   const auto body = dds::decode_body<mission::MapBlock>(record);
-  if (std::abs(body.resolution_m - resolution_m_) > 1e-4) {
-    throw BadInput("map block: resolution_m is not the mission's");
-  }
-  if (body.encoding != mission::BlockEncoding::kZstd2Bit) {
-    throw BadInput("map block: encoding is not zstd");
-  }
-  const std::vector<map::Voxel> voxels = map::decode_block(body.voxels);
-  constexpr int kSide = map::kBlockSide;
-  std::size_t i = 0;
-  for (int z = 0; z < kSide; ++z) {
-    for (int y = 0; y < kSide; ++y) {
-      for (int x = 0; x < kSide; ++x, ++i) {
-        if (voxels[i] == map::Voxel::kUnknown) continue;
-        const map::VoxelKey k{body.ix * kSide + x, body.iy * kSide + y, body.iz * kSide + z};
-        if (by_volume_)
-          known(k);
-        else if (voxels[i] == map::Voxel::kOccupied)
-          occupied(k);
-      }
+  for (const map::SaidBlock& block : dds::said_blocks(body, resolution_m_)) {
+    for (int i = 0; i < map::kBlockVoxels; ++i) {
+      const bool is_occupied = map::bit(block.said.occupied, i);
+      if (by_volume_ && (is_occupied || map::bit(block.said.free, i)))
+        known(map::voxel_in(block.key, i));
+      else if (is_occupied)
+        occupied(map::voxel_in(block.key, i));
     }
   }
   newest = record.header.version();

@@ -12,8 +12,8 @@
 
 namespace muster::world {
 
-/// `map_coverage` of RULES.md, from the map blocks that reached the station: of the surface voxels
-/// that count, the share that some block shows occupied, there or in one of the six voxels next to
+/// `map_coverage` of RULES.md, from the map records that reached the station: of the surface voxels
+/// that count, the share that some record calls occupied, there or in one of the six voxels next to
 /// it (range noise moves a surface by one). With no surfaces that count: the share of the boxes'
 /// voxels that are known at all. Once covered, covered.
 class Coverage {
@@ -21,7 +21,7 @@ class Coverage {
   /// `surface`: centres of the observable surface voxels.
   Coverage(const mission::Mission& mission, const std::vector<Vec3>& surface);
 
-  /// A record of class kMap. Throws BadInput when its bytes are no block.
+  /// A record of class kMap. Throws BadInput when its bytes are no blocks.
   void received(const store::Record& record);
   double share() const;
   std::size_t total() const { return total_; }

@@ -41,8 +41,9 @@ struct AirData {
     std::uint64_t bytes = 0, map_bytes = 0;  ///< heard
     double together_s = 0, data_s = 0;       ///< pairs' contact, and that with more than beacons
     std::uint64_t map_bytes_sent = 0;        ///< on air, whoever heard it
-    /// Had both sent, at each meeting, all that they knew of the place; --transport memory only.
-    std::optional<std::uint64_t> whole_map_bytes;
+    /// Had both sent, at each meeting, all that they knew of the place (mission::WholeMapBytes);
+    /// --transport memory only.
+    std::optional<std::uint64_t> whole_map_bytes, whole_octree_bytes;
   };
 
   RunData run;

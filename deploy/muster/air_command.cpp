@@ -53,21 +53,26 @@ std::string meetings_text(const AirData::Meetings& m) {
       "meetings: {}, {} heard in each, {} of it map; for {:.0f} % of the contact time records came "
       "through\n",
       m.count, size(m.bytes / m.count), size(m.map_bytes / m.count), 100 * m.data_s / m.together_s);
-  if (m.whole_map_bytes && m.map_bytes_sent > 0) {
+  if (m.whole_map_bytes && m.whole_octree_bytes && m.map_bytes_sent > 0) {
+    const auto times = [&](std::uint64_t bytes) {
+      return fmt::format("{}, {:.1f} times as much", size(bytes),
+                         static_cast<double>(bytes) / static_cast<double>(m.map_bytes_sent));
+    };
     text += fmt::format(
-        "map: {} sent; {} if both had sent all of theirs at each meeting, {:.1f} times as much\n",
-        size(m.map_bytes_sent), size(*m.whole_map_bytes),
-        static_cast<double>(*m.whole_map_bytes) / static_cast<double>(m.map_bytes_sent));
+        "map: {} sent; had both sent all of theirs at each meeting: as OctoMap's octrees (.bt) {}; "
+        "as zstd packs our own blocks {}\n",
+        size(m.map_bytes_sent), times(*m.whole_octree_bytes), times(*m.whole_map_bytes));
   }
   return text;
 }
 
 nlohmann::json meetings_json(const AirData::Meetings& m) {
-  nlohmann::json json{{"count", m.count},          {"bytes", m.bytes},
-                      {"map_bytes", m.map_bytes},  {"together_s", m.together_s},
-                      {"data_s", m.data_s},        {"map_bytes_sent", m.map_bytes_sent},
-                      {"whole_map_bytes", nullptr}};
+  nlohmann::json json{{"count", m.count},           {"bytes", m.bytes},
+                      {"map_bytes", m.map_bytes},   {"together_s", m.together_s},
+                      {"data_s", m.data_s},         {"map_bytes_sent", m.map_bytes_sent},
+                      {"whole_map_bytes", nullptr}, {"whole_octree_bytes", nullptr}};
   if (m.whole_map_bytes) json["whole_map_bytes"] = *m.whole_map_bytes;
+  if (m.whole_octree_bytes) json["whole_octree_bytes"] = *m.whole_octree_bytes;
   return json;
 }
 

@@ -117,8 +117,13 @@ void add_meetings(AirData& air) {
     }
     m.map_bytes_sent =
         summary.value("/air/by_topic/map_block/bytes"_json_pointer, std::uint64_t{0});
-    const auto whole = summary.value("/air/whole_map_bytes"_json_pointer, std::uint64_t{0});
-    if (whole > 0) m.whole_map_bytes = whole;
+    const auto whole = [&](const char* key) -> std::optional<std::uint64_t> {
+      const auto at = nlohmann::json::json_pointer(std::string("/air/") + key);
+      const auto bytes = summary.value(at, std::uint64_t{0});
+      return bytes > 0 ? std::optional(bytes) : std::nullopt;
+    };
+    m.whole_map_bytes = whole("whole_map_bytes");
+    m.whole_octree_bytes = whole("whole_octree_bytes");
   } catch (const nlohmann::json::exception&) {
     air.run.notes.push_back("what summary.json says of the air is damaged");
   }

@@ -114,7 +114,10 @@ void MemoryFleet::step_robots(const std::vector<world::World::Samples>& samples)
 void MemoryFleet::count_whole_maps(std::initializer_list<RobotId> met) {
   for (const RobotId id : met) {
     const auto robot = robots_.find(id);
-    if (robot != robots_.end()) whole_map_bytes_ += robot->second->whole_map_bytes();
+    if (robot == robots_.end()) continue;
+    const mission::WholeMapBytes bytes = robot->second->whole_map_bytes();
+    whole_maps_.octree += bytes.octree;
+    whole_maps_.packed += bytes.packed;
   }
 }
 
@@ -141,7 +144,8 @@ nlohmann::json MemoryFleet::finish(const std::string& reason) {
   relay_.finish();
   nlohmann::json summary = flight_.finish(reason);
   summary.update(relay_.summary());
-  summary["air"]["whole_map_bytes"] = whole_map_bytes_;
+  summary["air"]["whole_map_bytes"] = whole_maps_.packed;
+  summary["air"]["whole_octree_bytes"] = whole_maps_.octree;
   return summary;
 }
 

@@ -67,7 +67,8 @@ class MemoryFleet {
       waiting_;   ///< what had arrived at who was paused then
   std::map<RobotId, std::vector<mission::Message>> sent_;
   std::vector<mission::Message> commands_;
-  std::uint64_t k_ = 0, whole_map_bytes_ = 0;
+  std::uint64_t k_ = 0;
+  mission::WholeMapBytes whole_maps_;
 };
 
 }  // namespace muster::command

@@ -1,10 +1,12 @@
 // What mapping costs: the same flight past walls and columns, by VoxelMap and by OctoMap's own
-// insertPointCloud.
+// insertPointCloud; and what telling others of it costs, by our code and by zstd.
 #include <octomap/OcTree.h>
+#include <zstd.h>
 
 #include <cstdio>
 #include <ctime>
 
+#include "common/map/block_codec.h"
 #include "common/map/targets.h"
 #include "tests/unit/map/toy_world.h"
 
@@ -41,6 +43,54 @@ octomap::Pointcloud cloud_of(const toy::Shot& shot) {
   return cloud;
 }
 
+using Words = std::vector<SaidBlock>;
+
+/// What has changed since the cursor.
+Words news(VoxelMap& map, std::uint64_t& cursor) {
+  Words words;
+  for (const BlockKey& key : map.own_changes(cursor)) {
+    if (auto block = map.news(key)) words.push_back(*block);
+  }
+  for (const SaidBlock& block : words) map.told(block);
+  return words;
+}
+
+/// The same words as planes of bits, packed by zstd.
+std::size_t zstd_bytes(const Words& words) {
+  const std::size_t plain = words.size() * sizeof(SaidBlock);
+  Bytes packed(ZSTD_compressBound(plain));
+  return ZSTD_compress(packed.data(), packed.size(), words.data(), plain, 3);
+}
+
+void compare(const char* name, const std::vector<Words>& records) {
+  std::size_t blocks = 0, ours = 0, theirs = 0;
+  std::vector<Bytes> codes;
+  const double t0 = cpu_ms();
+  for (const Words& words : records) codes.push_back(encode_blocks(words));
+  const double t1 = cpu_ms();
+  for (const Bytes& code : codes) blocks += decode_blocks(code).size();
+  const double t2 = cpu_ms();
+  for (const Words& words : records) theirs += zstd_bytes(words);
+  const double t3 = cpu_ms(), n = static_cast<double>(blocks);
+  for (const Bytes& code : codes) ours += code.size();
+  std::printf(
+      "%s %6.1f bytes a block, %.0f us to write and %.0f to read; zstd %.1f times as many "
+      "bytes, %.0f us\n",
+      name, static_cast<double>(ours) / n, 1e3 * (t1 - t0) / n, 1e3 * (t2 - t1) / n,
+      static_cast<double>(theirs) / static_cast<double>(ours), 1e3 * (t3 - t2) / n);
+}
+
+/// All that the map has seen, as it is told who has heard nothing: 64 blocks a record.
+std::vector<Words> all_of(const VoxelMap& map) {
+  std::vector<Words> records;
+  std::uint64_t cursor = 0;
+  for (const BlockKey& key : map.own_changes(cursor)) {
+    if (records.empty() || records.back().size() == 64) records.emplace_back();
+    records.back().push_back(map.own_block(key));
+  }
+  return records;
+}
+
 }  // namespace
 
 int main() {
@@ -56,6 +106,8 @@ int main() {
   Random random(1, RobotId{1}, "bench");
 
   constexpr int kScans = 240;  // two minutes at 2 Hz
+  std::vector<Words> told;
+  std::uint64_t cursor = 0;
   double ours_ms = 0, theirs_ms = 0, targets_ms = 0, worst_ms = 0;
   for (int i = 0; i < kScans; ++i) {
     // Up and down the rows at 1.8 m/s, turning slowly.
@@ -77,6 +129,7 @@ int main() {
     if (i % 4 == 0) targets.looked(pose, 0);
     targets.update([](const Vec3&) { return true; });
     const double t3 = cpu_ms();
+    if (i % 10 == 9) told.push_back(news(map, cursor));
     ours_ms += t1 - t0;
     theirs_ms += t2 - t1;
     targets_ms += t3 - t2;
@@ -92,4 +145,6 @@ int main() {
   std::printf("rest of the OcTree  %6.3f ms once, %zu nodes\n", tree_ms, nodes);
   std::printf("targets             %6.3f ms per update, worst %.3f ms, %zu viewpoints\n",
               targets_ms / kScans, worst_ms, targets.viewpoints().size());
+  compare("all in one go      ", all_of(map));
+  compare("news every 5 s     ", told);
 }

@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "tests/unit/map/said.h"
 #include "tests/unit/robot/fixtures.h"
 
 namespace muster::agent {
@@ -19,7 +20,7 @@ inline void reveal(robot::Knowledge& k, const Vec3& low, const Vec3& high,
           const map::VoxelKey v{16 * x + i % 16, 16 * y + i / 16 % 16, 16 * z + i / 256};
           voxels.push_back(solid(k.map().center(v)) ? map::Voxel::kOccupied : map::Voxel::kFree);
         }
-        k.map().merge(RobotId{1}, {x, y, z}, map::encode_block(voxels));
+        k.map().merge(RobotId{1}, map::said({x, y, z}, voxels));
       }
     }
   }

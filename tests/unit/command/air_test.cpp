@@ -79,10 +79,12 @@ TEST_CASE("meetings are told with their bytes, and the map against whole maps") 
   std::ofstream(dir / "summary.json") << summary;
   CHECK_THAT(air_table(read_air(dir.string())), !Contains("all of theirs"));
   summary["air"]["whole_map_bytes"] = 600'000;
+  summary["air"]["whole_octree_bytes"] = 1'200'000;
   std::ofstream(dir / "summary.json") << summary;
   const AirData air = read_air(dir.string());
   CHECK_THAT(air_table(air), Contains("2000 kB heard in each, 25 kB of it map") &&
-                                 Contains("50 kB sent; 600 kB if both") && Contains("12.0 times") &&
+                                 Contains("50 kB sent") && Contains("(.bt) 1200 kB, 24.0 times") &&
+                                 Contains("own blocks 600 kB, 12.0 times") &&
                                  Contains("for 25 % of the contact"));
   CHECK(air_json(air)["meetings"]["count"] == 4 * pairs);
 }

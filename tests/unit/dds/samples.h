@@ -91,7 +91,7 @@ inline Beacon Samples::make() {
 }
 template <>
 inline MapBlock Samples::make() {
-  return {-3, 7, static_cast<int>(u32()), real(), choice<BlockEncoding>(1), bytes()};
+  return {real(), choice<BlockEncoding>(2), bytes()};
 }
 template <>
 inline Area Samples::make() {

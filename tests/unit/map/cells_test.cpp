@@ -2,6 +2,7 @@
 
 #include "common/map/region_cells.h"
 #include "common/map/targets.h"
+#include "tests/unit/map/said.h"
 #include "tests/unit/map/toy_world.h"
 
 using namespace muster;
@@ -37,8 +38,7 @@ TEST_CASE("frontier and owed surface equal brute force after random updates") {
   const auto in_box = [&](VoxelKey k) { return kTurned.contains(m.center(k), 1e-9); };
   for (std::uint64_t round = 0; round < 6; ++round) {
     toy::fly_randomly(m, kRoom, 2, 70 + round);
-    if (round == 3)
-      m.merge(RobotId{3}, {0, 0, 0}, encode_block(std::vector<Voxel>(4096, Voxel::kFree)));
+    if (round == 3) m.merge(RobotId{3}, said({0, 0, 0}, Voxel::kFree));
     cells.update();
     std::vector<VoxelKey> frontier, owed, frontier_found, owed_found;
     toy::for_each_voxel([&](VoxelKey k) {

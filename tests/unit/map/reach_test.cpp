@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "common/core/error.h"
+#include "tests/unit/map/said.h"
 #include "tests/unit/map/toy_world.h"
 
 using namespace muster;
@@ -83,7 +84,7 @@ void random_updates(VoxelMap& m, std::uint64_t seed) {
   for (int i = 0; i < 4096; ++i)
     voxels.push_back(random.chance(0.002) ? Voxel::kOccupied : Voxel::kFree);
   const int x = static_cast<int>(random.below(3)) - 1, y = static_cast<int>(random.below(3)) - 1;
-  m.merge(RobotId{7}, {x, y, 0}, encode_block(voxels));
+  m.merge(RobotId{7}, said({x, y, 0}, voxels));
 }
 
 }  // namespace

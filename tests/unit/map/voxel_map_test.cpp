@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "common/core/error.h"
+#include "tests/unit/map/said.h"
 #include "tests/unit/map/toy_world.h"
 
 using namespace muster;
@@ -20,14 +21,12 @@ void give(VoxelMap& to, RobotId author, const VoxelMap& from, bool backwards) {
   CHECK(std::is_sorted(keys.begin(), keys.end()));
   CHECK(from.own_changes(cursor).empty());
   if (backwards) std::reverse(keys.begin(), keys.end());
-  for (const BlockKey k : keys) to.merge(author, k, from.encode_own(k));
+  for (const BlockKey k : keys) to.merge(author, from.own_block(k));
 }
-
-std::vector<Voxel> all_of(Voxel v) { return std::vector<Voxel>(4096, v); }
 
 }  // namespace
 
-TEST_CASE("others' blocks merge to the same map in any order, newest per author") {
+TEST_CASE("others' words merge to the same map in any order of authors") {
   VoxelMap a(toy::config()), b(toy::config());
   toy::fly_randomly(a, kRoom, 6, 21);
   VoxelMap one(toy::config()), two(toy::config());
@@ -50,41 +49,56 @@ TEST_CASE("own evidence wins over what others say") {
   VoxelMap m(toy::config());
   toy::see(m, kRoom, kEye);
   const BlockKey b = block_of(m.key({1, 0.1, 1.5}));
-  m.merge(RobotId{4}, b, encode_block(all_of(Voxel::kOccupied)));
-  m.merge(RobotId{5}, b, encode_block(all_of(Voxel::kFree)));
+  m.merge(RobotId{4}, said(b, Voxel::kOccupied));
+  m.merge(RobotId{5}, said(b, Voxel::kFree));
   CHECK(m.at(Vec3(1, 0.1, 1.5)) == Voxel::kFree);
   CHECK(m.at(Vec3(3.1, 0.1, 1.5)) == Voxel::kOccupied);
   CHECK(m.at(Vec3(0.1, 3, 1.5)) == Voxel::kOccupied);  // unknown to us, one says occupied
-  m.merge(RobotId{4}, b, encode_block(all_of(Voxel::kUnknown)));
+  m.merge(RobotId{4}, said(b, Voxel::kUnknown));       // nothing: its word stands
+  CHECK(m.at(Vec3(0.1, 3, 1.5)) == Voxel::kOccupied);
+  m.merge(RobotId{4}, said(b, Voxel::kFree));
   CHECK(m.at(Vec3(0.1, 3, 1.5)) == Voxel::kFree);
 }
 
-TEST_CASE("blocks survive the wire and damaged ones are refused") {
-  Random random(2, RobotId{1}, "blocks");
-  std::vector<Voxel> voxels;
-  for (int i = 0; i < 4096; ++i) voxels.push_back(static_cast<Voxel>(random.below(3)));
-  const Bytes bytes = encode_block(voxels);
-  CHECK(decode_block(bytes) == voxels);
-  CHECK(encode_block(all_of(Voxel::kFree)).size() < 40);
-  CHECK_THROWS_AS(decode_block({}), BadInput);
-  CHECK_THROWS_AS(decode_block(ByteView(bytes).first(bytes.size() / 2)), BadInput);
-  CHECK_THROWS_AS(decode_block(encode_block(std::vector<Voxel>(4096, Voxel{3}))), BadInput);
-  int decoded = 0, refused = 0;
-  for (int i = 0; i < 2000; ++i) {
-    Bytes bad = bytes;
-    for (int n = 0; n < 3; ++n)
-      bad[random.below(bad.size())] ^= static_cast<std::uint8_t>(1 + random.below(255));
-    try {
-      decoded += decode_block(bad).size() == 4096;
-    } catch (const BadInput&) {
-      ++refused;
-    }
-  }
-  CHECK(decoded + refused == 2000);
-  CHECK(refused > 100);
+TEST_CASE("news are what changes the picture of who has heard everything else") {
   VoxelMap m(toy::config());
-  CHECK_THROWS_AS(m.merge(RobotId{1}, {1 << 22, 0, 0}, bytes), BadInput);
-  m.merge(RobotId{1}, {1000, 0, 0}, bytes);  // out of bounds: nothing to keep
+  toy::see(m, kRoom, kEye);
+  const BlockKey b = block_of(m.key({1, 0.1, 1.5}));
+  const auto all = m.news(b);
+  REQUIRE(all);
+  CHECK(all->said.free == m.own_block(b).said.free);
+  CHECK(all->said.occupied == m.own_block(b).said.occupied);
+  m.merge(RobotId{4}, said(b, Voxel::kFree));  // only the surfaces are news now
+  const auto surfaces = m.news(b);
+  REQUIRE(surfaces);
+  CHECK(count(surfaces->said.free) == 0);
+  CHECK(surfaces->said.occupied == all->said.occupied);
+  m.told(*surfaces);
+  CHECK_FALSE(m.news(b));
+  VoxelMap hearer(toy::config());
+  hearer.merge(RobotId{4}, said(b, Voxel::kFree));
+  hearer.merge(RobotId{1}, *surfaces);
+  toy::for_each_voxel([&](VoxelKey k) {
+    if (block_of(k) == b && m.at(k) == Voxel::kOccupied) CHECK(hearer.at(k) == Voxel::kOccupied);
+  });
+}
+
+TEST_CASE("who was told something that the own map no longer believes is told so") {
+  VoxelMap m(toy::config());
+  toy::see(m, kRoom, kEye);
+  const BlockKey b = block_of(m.key({1, 0.1, 1.5}));
+  m.told(said(b, Voxel::kOccupied));
+  m.merge(RobotId{4}, said(b, Voxel::kOccupied));  // who says the same does not matter
+  const auto news = m.news(b);
+  REQUIRE(news);
+  CHECK(news->said.free == m.own_block(b).said.free);
+  CHECK(count(news->said.occupied) == 0);
+}
+
+TEST_CASE("blocks out of bounds change nothing") {
+  VoxelMap m(toy::config());
+  m.merge(RobotId{1}, said({1000, 0, 0}, Voxel::kFree));
+  m.told(said({1000, 0, 0}, Voxel::kFree));
   CHECK(m.revision() == 0);
 }
 
@@ -136,7 +150,7 @@ TEST_CASE("the change feed names every block that changed") {
 TEST_CASE("the merged map is written as an OctoMap file") {
   VoxelMap m(toy::config());
   toy::see(m, kRoom, kEye);
-  m.merge(RobotId{4}, {-2, 0, 0}, encode_block(all_of(Voxel::kOccupied)));
+  m.merge(RobotId{4}, said({-2, 0, 0}, Voxel::kOccupied));
   const auto path = std::filesystem::temp_directory_path() / "muster_voxel_map_test.bt";
   m.write_bt(path);
   octomap::OcTree tree(path);

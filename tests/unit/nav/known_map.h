@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/map/voxel_map.h"
+#include "tests/unit/map/said.h"
 
 namespace muster::test {
 
@@ -36,7 +37,7 @@ class KnownMap {
       }
       map_ = std::make_unique<map::VoxelMap>(config_);
       for (const auto& [key, voxels] : blocks_) {
-        map_->merge(RobotId{99}, key, map::encode_block(voxels));
+        map_->merge(RobotId{99}, map::said(key, voxels));
       }
     }
     return *map_;

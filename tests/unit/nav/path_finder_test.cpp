@@ -8,6 +8,7 @@
 #include <set>
 
 #include "common/core/random.h"
+#include "tests/unit/map/said.h"
 #include "tests/unit/nav/known_map.h"
 
 using namespace muster;
@@ -173,7 +174,7 @@ TEST_CASE("a new map is seen by the next question") {
   CHECK(finder.reached(Vec3(15, 1, 1)));
   CHECK(finder.find(Vec3(1, 1, 1), Vec3(15, 1, 1)).path);
   std::vector<map::Voxel> wall(4096, map::Voxel::kOccupied);
-  map.merge(RobotId{98}, {3, 0, 0}, map::encode_block(wall));
+  map.merge(RobotId{98}, map::said({3, 0, 0}, wall));
   CHECK_FALSE(finder.reached(Vec3(15, 1, 1)));
   CHECK_FALSE(finder.find(Vec3(1, 1, 1), Vec3(15, 1, 1)).path);
 }
@@ -333,7 +334,7 @@ TEST_CASE("a change reaches searches also where it lies across a block's border"
   for (int i = 0; i < 4096; ++i) {
     if ((i & 15) == 15) wall[static_cast<std::size_t>(i)] = map::Voxel::kOccupied;
   }
-  map.merge(RobotId{98}, {3, 0, 0}, map::encode_block(wall));
+  map.merge(RobotId{98}, map::said({3, 0, 0}, wall));
   PathFinder fresh(map);
   const auto seen = finder.find_through_unknown(Vec3(1, 1.5, 1.5), Vec3(20, 1.5, 1.5), 0.3);
   const auto anew = fresh.find_through_unknown(Vec3(1, 1.5, 1.5), Vec3(20, 1.5, 1.5), 0.3);

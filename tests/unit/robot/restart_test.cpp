@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
+#include "common/dds/map_block.h"
+#include "common/map/block_codec.h"
 #include "tests/unit/robot/fixtures.h"
 
 using namespace muster;
@@ -49,7 +51,8 @@ TEST_CASE("a robot that starts again knows what it knew: areas, results, its own
         inspector, 1,
         *other.store().find(inspector, store::RecordClass::kInspection, result_key(ref)));
     const map::BlockKey block = map::block_of(before.map().key(seen));
-    file.keep_block(map::pack(block), before.map().encode_own(block));
+    file.keep_block(map::pack(block),
+                    map::encode_blocks(std::array{before.map().own_block(block)}));
     file.commit(before.store());
   }
   auto file = journal(folder, explorer);
@@ -72,21 +75,16 @@ TEST_CASE("own map blocks of an earlier start that come back by radio are own ev
   const Vec3 seen(-3, 0, 1);
   Knowledge before(m, explorer, 1);
   const map::BlockKey b = map::block_of(before.map().key(seen));
-  mission::MapBlock block;
-  block.ix = b.x;
-  block.iy = b.y;
-  block.iz = b.z;
-  block.resolution_m = 0.2f;
-  block.encoding = mission::BlockEncoding::kZstd2Bit;
-  block.voxels = before.map().encode_own(b);
-  before.publish(store::RecordClass::kMap, map::pack(b), block);
+  const std::uint64_t key = before.store().new_key(store::RecordClass::kMap);
+  before.publish(store::RecordClass::kMap, key,
+                 dds::map_block(std::array{before.map().own_block(b)}, 0.2));
 
   mission::Mission elsewhere = m;
   elsewhere.fleet[1].start.p = {-12, -12, 1};
   Knowledge after(elsewhere, explorer, 2);
-  after.receive(RobotId{2}, 1,
-                *before.store().find(explorer, store::RecordClass::kMap, map::pack(b)));
+  after.receive(RobotId{2}, 1, *before.store().find(explorer, store::RecordClass::kMap, key));
   CHECK(after.map().at(seen) == map::Voxel::kFree);
   std::uint64_t cursor = 0;
-  CHECK_FALSE(after.map().own_changes(cursor).empty());  // and it will say so itself
+  CHECK_FALSE(after.map().own_changes(cursor).empty());
+  CHECK_FALSE(after.map().news(b));  // it has said so itself
 }

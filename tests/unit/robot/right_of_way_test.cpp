@@ -3,6 +3,7 @@
 
 #include "common/core/random.h"
 #include "common/robot/executive.h"
+#include "tests/unit/map/said.h"
 #include "tests/unit/robot/fixtures.h"
 
 using namespace muster;
@@ -92,13 +93,12 @@ class Hall {
  public:
   explicit Hall(const std::vector<Vec3>& starts)
       : mission_(fleet_mission(static_cast<int>(starts.size()))) {
-    const Bytes free = map::encode_block(std::vector<map::Voxel>(4096, map::Voxel::kFree));
     for (std::size_t i = 0; i < starts.size(); ++i) {
       const RobotId id{static_cast<std::uint32_t>(i + 1)};
       flyers_.push_back(std::make_unique<Flyer>(mission_, id, starts[i]));
       for (int block = 0; block < 16; ++block) {
         const map::BlockKey key{block % 4 - 2, block / 4 - 2, 0};
-        flyers_.back()->knowledge().map().merge(RobotId{99}, key, free);
+        flyers_.back()->knowledge().map().merge(RobotId{99}, map::said(key, map::Voxel::kFree));
       }
     }
   }

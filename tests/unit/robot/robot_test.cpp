@@ -1,10 +1,12 @@
 #include "common/robot/robot.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 
+#include "common/dds/map_block.h"
 #include "common/store/database.h"
 #include "tests/unit/robot/fixtures.h"
 
@@ -77,25 +79,28 @@ TEST_CASE("a robot whose disk does not give an image back flies on without it") 
   CHECK(parts_sent_on(lose) == 0);
 }
 
-TEST_CASE("a whole map is compressed as a whole, and grows with what is known") {
+TEST_CASE("what a whole map would cost grows with what is known, and is what OctoMap would write") {
   const mission::Mission m = small_mission();
   Robot robot(m, kSelf, std::make_unique<Idle>(), 1);
-  const std::size_t at_first = robot.whole_map_bytes();
-  CHECK(at_first > 20);
-  CHECK(at_first < 2000);
+  const mission::WholeMapBytes at_first = robot.whole_map_bytes();
+  CHECK(at_first.packed > 20);
+  CHECK(at_first.packed < 2000);
   Knowledge other(m, kOther, 1);
   other.map().insert_free_ball({5, 0, 3}, 3);
   const map::BlockKey b = map::block_of(other.map().key({5, 0, 3}));
-  mission::MapBlock block;
-  block.ix = b.x, block.iy = b.y, block.iz = b.z;
-  block.resolution_m = 0.2F;
-  block.encoding = mission::BlockEncoding::kZstd2Bit;
-  block.voxels = other.map().encode_own(b);
+  const mission::MapBlock block = dds::map_block(std::array{other.map().own_block(b)}, 0.2);
   const store::RecordHeader header{{kOther, 1}, store::RecordClass::kMap, map::pack(b), 1, {}, {}};
   robot.step({.tick = 1,
               .now = time_of_tick(1),
               .bus = {},
               .air = {dds::wrap({1, kOther, mission::MessageClass::kMapBlock, {}},
                                 dds::encode_record(header, block))}});
-  CHECK(robot.whole_map_bytes() > at_first);
+  const mission::WholeMapBytes then = robot.whole_map_bytes();
+  CHECK(then.packed > at_first.packed);
+  const auto path = fs::temp_directory_path() / fmt::format("muster_whole_{}.bt", getpid());
+  robot.knowledge().map().write_bt(path);
+  const auto file = static_cast<double>(fs::file_size(path));
+  fs::remove(path);
+  CHECK(static_cast<double>(then.octree) > 0.8 * (file - 200));
+  CHECK(static_cast<double>(then.octree) <= file);
 }

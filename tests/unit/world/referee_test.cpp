@@ -1,9 +1,12 @@
 #include <catch2/catch.hpp>
 
+#include "common/dds/convert.h"
+#include "common/dds/map_block.h"
 #include "commsim/world/activity.h"
 #include "commsim/world/bounds.h"
 #include "commsim/world/coverage.h"
 #include "commsim/world/ledger.h"
+#include "tests/unit/map/said.h"
 #include "tests/unit/world/fixtures.h"
 
 using namespace muster;
@@ -153,12 +156,10 @@ TEST_CASE("coverage counts a surface voxel when it or a neighbour is occupied in
   std::vector<map::Voxel> voxels(4096, map::Voxel::kUnknown);
   voxels[0] = map::Voxel::kOccupied;
   voxels[5] = map::Voxel::kFree;
-  mission::MapBlock block;
-  block.encoding = mission::BlockEncoding::kZstd2Bit;
-  block.voxels = map::encode_block(voxels);
+  mission::MapBlock block = dds::map_block(std::array{map::said({0, 0, 0}, voxels)}, 0.2);
   coverage.received(dds::encode_record(header(RobotId{2}, store::RecordClass::kMap, 1), block));
   CHECK(coverage.share() == Approx(0.5));
-  block.voxels = {1, 2, 3};
+  block.blocks = {1, 2, 3};
   CHECK_THROWS_AS(
       coverage.received(dds::encode_record(header(RobotId{2}, store::RecordClass::kMap, 2), block)),
       BadInput);
@@ -168,9 +169,8 @@ TEST_CASE("without surfaces coverage is the known share of the boxes") {
   mission::Mission m = mission_of({robot(1, mission::Role::kStation, {0, 0, 2})});
   m.boxes = {Box::from_corners({0, 0, 0}, {3.2, 3.2, 6.4})};
   Coverage coverage(m, {});
-  mission::MapBlock block;
-  block.encoding = mission::BlockEncoding::kZstd2Bit;
-  block.voxels = map::encode_block(std::vector<map::Voxel>(4096, map::Voxel::kFree));
+  const mission::MapBlock block =
+      dds::map_block(std::array{map::said({0, 0, 0}, map::Voxel::kFree)}, 0.2);
   coverage.received(dds::encode_record(header(RobotId{2}, store::RecordClass::kMap, 1), block));
   CHECK(coverage.share() == Approx(0.5));
 }
