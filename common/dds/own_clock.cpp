@@ -77,7 +77,7 @@ class Clocked final : public mission::Process {
   void keep(std::unique_ptr<store::Journal> journal) override {
     process_->keep(std::move(journal));
   }
-  std::size_t whole_map_bytes() const override { return process_->whole_map_bytes(); }
+  mission::WholeMapBytes whole_map_bytes() override { return process_->whole_map_bytes(); }
   void finish(const std::string& dir) override { process_->finish(dir); }
 
   mission::StepOutput step(const mission::StepInput& given) override {
