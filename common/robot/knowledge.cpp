@@ -4,12 +4,23 @@
 #include "common/core/log.h"
 #include "common/dds/map_block.h"
 #include "common/map/block_codec.h"
+#include "common/radio/pace.h"
 
 namespace muster::robot {
 namespace {
 
 constexpr Duration kContactTimeout{
-    1'000'000};  // DESIGN "The DDS layer": contact means beacons heard within 1 s
+    1'000'000};                // DESIGN "The DDS layer": contact means beacons heard within 1 s
+constexpr double kQueued = 8;  // so many others' records may go first, there and back
+
+/// Where bits take time, so do digests: one that was sent before a record arrived tells nothing.
+store::ExchangeConfig exchange_config(const radio::RadioConfig& radio) {
+  store::ExchangeConfig config;
+  const radio::Airtime air(radio);
+  const double longest_s = air.of(radio::Pace(radio).record_bytes()).s();
+  config.round_trip = config.round_trip + Duration::from_s(kQueued * longest_s);
+  return config;
+}
 
 }  // namespace
 
@@ -47,7 +58,7 @@ Knowledge::Knowledge(const mission::Mission& mission, RobotId self, std::uint64_
       map_(map_config(mission, self)),
       paths_(map_),
       store_(self, epoch),
-      exchange_(store_, Random(mission.seed, self, "exchange")) {
+      exchange_(store_, Random(mission.seed, self, "exchange"), exchange_config(mission.radio)) {
   odometry_.pose = config().start;
   map_.insert_free_ball(config().start.p, mission.free_ball_m);
 }

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "common/dds/map_block.h"
+#include "common/radio/pace.h"
 
 namespace muster::robot {
 namespace {
@@ -12,7 +13,7 @@ constexpr std::int64_t kTurn_ticks = 50;  // between looks for news in company: 
 constexpr std::int64_t kApart_ticks = 7;  // between one robot's turn and the next one's
 constexpr double kSettled_s = 2;          // a neighbour who comes and goes is no newcomer each time
 constexpr std::size_t kBlocks = 64;       // in one record, and so in a tick
-constexpr std::size_t kRecord_bytes = 14'000;  // a record has to stay below 16 kB
+constexpr std::size_t kHeader_bytes = 100;
 constexpr int kFewVoxels = 100;  // four of five looks in company show fewer, mostly of edges that
 constexpr double kFewWait_s =
     30;  // change their mind: they would cost more in headers than in words
@@ -65,7 +66,8 @@ std::vector<map::SaidBlock> MapSharer::take_news(const Knowledge& k) {
 
 void MapSharer::tell(Knowledge& k, std::span<const map::SaidBlock> news) {
   const mission::MapBlock record = dds::map_block(news, k.mission().resolution_m);
-  if (record.blocks.size() > kRecord_bytes && news.size() > 1) {
+  const std::size_t at_most = radio::Pace(k.mission().radio).record_bytes() - kHeader_bytes;
+  if (record.blocks.size() > at_most && news.size() > 1) {
     tell(k, news.first(news.size() / 2));
     tell(k, news.subspan(news.size() / 2));
     return;

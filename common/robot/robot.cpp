@@ -11,10 +11,14 @@ namespace muster::robot {
 namespace {
 
 constexpr double kBeaconPeriod_s = 0.3;
-constexpr std::size_t kAirBudget_bytes = std::size_t{256} * 1024;  // per tick: about 20 Mbit/s
 constexpr double kKeepBlocks_s = 5;  // what a crash may take of the own map, when nobody was told
 constexpr double kFreshMate_s =
     0.5;  // DESIGN "Map and motion": returns fit a teammate heard within this
+
+/// Where the air is shared, neighbours do not send their beacons all in one tick.
+SimTime first_beacon(const radio::RadioConfig& radio, RobotId self) {
+  return radio.bit_rate_mbps > 0 ? time_of_tick(self.value % 3) : SimTime{};
+}
 
 }  // namespace
 
@@ -23,6 +27,8 @@ Robot::Robot(const mission::Mission& mission, RobotId self, std::unique_ptr<Stra
     : knowledge_(mission, self, epoch),
       strategy_(std::move(strategy)),
       executive_(mission, self),
+      pace_(mission.radio),
+      beacon_due_(first_beacon(mission.radio, self)),
       stratum_(mission.robot(self).role == mission::Role::kStation ? 0 : 15) {}
 
 Robot::~Robot() = default;
@@ -147,6 +153,7 @@ void Robot::take_air(const mission::StepInput& input) {
   for (const mission::Message& m : input.air) {
     try {
       const mission::Envelope e = dds::peek_envelope(m.cdr);
+      if (!mission::is_record(m.cls)) pace_.heard_beacon(m.cdr.size());
       if (m.cls == mission::MessageClass::kBeacon) {
         const auto heard = dds::decode<mission::Beacon>(m);
         stratum_ = std::min(stratum_, heard.stratum + 1);
@@ -193,8 +200,8 @@ void Robot::send_record(std::uint64_t n, const store::Record& record,
 
 void Robot::send_air(mission::StepOutput& output) {
   const SimTime now = knowledge_.now();
-  for (const auto& action :
-       knowledge_.exchange().step(now, kAirBudget_bytes, [this] { return ++sent_n_; })) {
+  const std::size_t budget = pace_.budget(knowledge_.exchange().speakers(now));
+  for (const auto& action : knowledge_.exchange().step(now, budget, [this] { return ++sent_n_; })) {
     if (action.record) {
       send_record(action.n, *action.record, output);
     } else if (action.end) {
@@ -210,6 +217,7 @@ void Robot::send_air(mission::StepOutput& output) {
     beacon_due_ = now + Duration::from_s(kBeaconPeriod_s);
     announce_ = false;
   }
+  for (const mission::Message& message : output.air) pace_.sent(message.cdr.size());
 }
 
 mission::Beacon Robot::beacon() {

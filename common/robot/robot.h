@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "common/mission/process.h"
+#include "common/radio/pace.h"
 #include "common/robot/executive.h"
 #include "common/robot/guardian.h"
 #include "common/robot/knowledge.h"
@@ -51,6 +52,7 @@ class Robot : public mission::Process {
   Executive executive_;
   MapSharer map_sharer_;
   WholeMap whole_map_;
+  radio::Pace pace_;
   std::unique_ptr<store::Journal> journal_;
   Bytes body_;                     // of a record that is on its way from the journal to the radio
   std::uint64_t kept_blocks_ = 0;  // cursor of the own map's changes

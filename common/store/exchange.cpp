@@ -47,6 +47,7 @@ void Exchange::on_beacon(RobotId from, std::uint64_t epoch, std::uint64_t digest
     fresh = true;
   }
   newcomer_ |= fresh;
+  if (fresh) it->second.spoke_at = now;
   Peer& peer = it->second;
   peer.epoch = epoch;
   peer.heard_at = now;
@@ -63,6 +64,7 @@ Merged Exchange::on_record(RobotId from, std::uint64_t n, Record record, SimTime
   const RecordId id = id_of(h);
   const Merged merged = store_.merge(std::move(record));
   if (merged == Merged::kRefused) return merged;
+  if (const auto peer = peers_.find(from); peer != peers_.end()) peer->second.spoke_at = now;
   auto& by_n = heard_[from].by_n;
   by_n.emplace(n, id.stream);
   if (by_n.size() > kRemembered) by_n.erase(by_n.begin());
@@ -248,6 +250,7 @@ std::vector<Exchange::Action> Exchange::step(SimTime now, std::size_t byte_budge
                                              const NextN& next_n) {
   forget_silent(now);
   prune(now);
+  if (byte_budget == 0) return {};
   std::vector<Action> out;
   Due due;
   std::vector<std::pair<RobotId, std::vector<Debt>>> owing;
@@ -386,6 +389,11 @@ std::vector<RobotId> Exchange::contacts(SimTime now) const {
 bool Exchange::in_contact(RobotId id, SimTime now) const {
   const auto it = peers_.find(id);
   return it != peers_.end() && now - it->second.heard_at <= config_.contact;
+}
+
+std::size_t Exchange::speakers(SimTime now) const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      peers_, [&](const auto& entry) { return now - entry.second.spoke_at <= config_.contact; }));
 }
 
 bool Exchange::caught_up(RobotId neighbour, SimTime now, RecordClass last) const {

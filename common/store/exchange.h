@@ -75,7 +75,7 @@ class Exchange {
   using NextN = std::function<std::uint64_t()>;
   /// What to send now, in this order. `next_n` gives the number of the next envelope of this robot;
   /// every number taken has to be used for its action. Records stop at `byte_budget` (but at least
-  /// one goes out when any is due).
+  /// one goes out when any is due); with a budget of 0 nothing is said at all.
   std::vector<Action> step(SimTime now, std::size_t byte_budget, const NextN& next_n);
 
   /// Should the next beacon carry the digest? Only when it may tell somebody something.
@@ -86,6 +86,8 @@ class Exchange {
   // ---- contact
   std::vector<RobotId> contacts(SimTime now) const;
   bool in_contact(RobotId id, SimTime now) const;
+  /// How many neighbours sent records lately (as long ago as contact lasts), or are new.
+  std::size_t speakers(SimTime now) const;
   /// By its latest digest, `neighbour` lacks nothing that is held here, and has nothing that is
   /// not. Looks only at classes up to and with `last`, in the order of their value. False without
   /// contact or before its first digest.
@@ -128,6 +130,7 @@ class Exchange {
   struct Peer {
     std::uint64_t epoch = 0;
     SimTime heard_at;
+    SimTime spoke_at;            // when a record came from it; who is new is about to speak
     std::uint64_t digest_n = 0;  // 0: none heard yet
     SimTime digest_at;
     PeerDigest digest;
