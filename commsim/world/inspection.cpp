@@ -9,7 +9,6 @@
 namespace muster::world {
 namespace {
 
-constexpr double kOffSurfaceM = 0.01;
 constexpr Duration kPatience{3'000'000};
 
 }  // namespace
@@ -84,7 +83,7 @@ bool InspectionCamera::steep(const Vec3& from, const Vec3& p, const Vec3& normal
 bool InspectionCamera::sees_feature(const Surroundings& around, const Pose& pose,
                                     const Feature& f) const {
   return in_reach(pose, f.position) && !steep(pose.p, f.position, f.normal) &&
-         around.sees(pose.p, f.position + f.normal * kOffSurfaceM, id_);
+         around.sees(pose.p, before_surface(f.position, f.normal), id_);
 }
 
 bool InspectionCamera::sees_area(const Surroundings& around, const Pose& pose,

@@ -52,6 +52,10 @@ class Scene {
   std::unique_ptr<Impl> impl_;
 };
 
+/// What a camera looks at when it looks at a spot of a surface: just in front of it, so that the
+/// surface itself does not hide it.
+inline Vec3 before_surface(const Vec3& spot, const Vec3& normal) { return spot + 0.01 * normal; }
+
 struct Feature {
   FeatureId id;
   Vec3 position = Vec3::Zero(), normal = Vec3::Zero();

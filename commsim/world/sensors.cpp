@@ -7,7 +7,6 @@ namespace muster::world {
 namespace {
 
 // A spot lies on a surface; looked at from its front, that surface must not hide it.
-constexpr double kOffSurfaceM = 0.01;
 
 double noisy(double distance_m, const mission::SensingConfig& noise, Random& random) {
   double d = distance_m + random.uniform(-noise.range_noise_m, noise.range_noise_m);
@@ -95,7 +94,7 @@ Look look_for_spots(const Surroundings& around, RobotId self, const Pose& pose,
   for (std::size_t i = 0; i < spots.size(); ++i) {
     const Feature& spot = spots[i];
     if (!view.contains(pose, vehicle.pitch_rad, spot.position)) continue;
-    if (!around.sees(pose.p, spot.position + spot.normal * kOffSurfaceM, self)) continue;
+    if (!around.sees(pose.p, before_surface(spot.position, spot.normal), self)) continue;
     if (!random.chance(sensing.sighting_probability)) continue;
     mission::Sighting s;
     const double dx = random.normal(), dy = random.normal(), dz = random.normal();

@@ -27,6 +27,14 @@ class Turn {
   double c_ = 1, s_ = 0;
 };
 
+/// As the cameras judge it (Surroundings::sees), with nobody in the way: the spot of an edge that
+/// another surface runs along by less than a ray's tolerance is in nobody's sight.
+bool in_sight(const Scene& scene, const Vec3& eye, const Vec3& spot, const Vec3& normal) {
+  const Vec3 way = before_surface(spot, normal) - eye;
+  const double distance_m = way.norm();
+  return !scene.cast(eye, way / distance_m, distance_m);
+}
+
 }  // namespace
 
 ViewRule::ViewRule(const mission::Vehicle& vehicle, double range_m, double max_incidence_rad)
@@ -71,7 +79,7 @@ std::optional<Vec3> ViewFinder::look_along(const Vec3& d, const Vec3& point, con
   for (const double share : kDistanceShares) {
     const Vec3 eye = point + share * rule.range_m() * d;
     if (!reachable_.contains(eye)) continue;
-    if (scene_.line_of_sight(eye, point)) return eye;
+    if (in_sight(scene_, eye, point, normal)) return eye;
     break;  // what hides the point from here hides it from further out
   }
   return std::nullopt;
