@@ -2,24 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "agent/strategy/surface_belief.h"
 
 namespace muster::agent {
 namespace {
 
-constexpr double kSameArea_m = 0.5;     // RULES "Sighting and inspecting"
-constexpr double kSameFeature_m = 0.4;  // four sigma of a sighting
-constexpr double kNear_m = 0.75;        // where a sighting may be a stray one of something known
-constexpr double kDoubt_s = 40;         // for so long other looks may confirm or explain a sighting
-// How far the middle of n sightings may lie from the feature: 4.5 sigma, and never less than…
-constexpr double kMiddle_m = 0.45, kMiddleLeast_m = 0.2;
+constexpr double kSameArea_m = 0.5;  // RULES "Sighting and inspecting"
+constexpr double kSamePlace_m = 0.3;  // asked for here already
+constexpr double kNear_m = 0.75;      // where a sighting may be a stray one of something known
+constexpr double kDoubt_s = 40;       // for so long other looks may confirm or explain a sighting
 constexpr double kDoubtsEvery_s = 10;
 constexpr double kBoxMargin_m = 0.4;
 constexpr double kMoved_m = 0.08;
-constexpr double kPlainCos = 0.5;    // directions this close can be of one surface, whatever it is
+constexpr double kOfMiddle_sigmas = 3.7;  // a sighting this far from the middle is of another
+constexpr double kPlainCos = 0.5;         // directions this close can be of one surface
 constexpr double kOtherSide = 0.08;  // of showing itself to the sighter: less is another surface
 constexpr std::size_t kSure = 2;     // sightings that make a doubtful area one
+constexpr std::size_t kTestFrom = 6;  // sightings of an area that may be two
 constexpr int kReviews = 2;
 
 bool concerns(const mission::Mission& mission, RegionId region, const Vec3& p) {
@@ -27,25 +29,6 @@ bool concerns(const mission::Mission& mission, RegionId region, const Vec3& p) {
     return true;
   return std::none_of(mission.boxes.begin(), mission.boxes.end(),
                       [&](const Box& b) { return b.contains(p); });
-}
-
-SurfaceBelief belief_at(const robot::Knowledge& k, const Vec3& p, const Vec3& towards,
-                        double sigma_m) {
-  mission::Area at;
-  at.position = p;
-  at.normal = towards;
-  at.sighted_from.p = p + towards;
-  at.sigma_m = static_cast<float>(sigma_m);
-  return {k.map(), at, k.mission().inspect, k.config().vehicle};
-}
-
-/// Can who looked at a feature along `seen` have sighted the one that was found at `p` by a look
-/// along `found` (units, towards the cameras)?
-bool shows(const robot::Knowledge& k, const Vec3& p, const Vec3& found, const Vec3& seen) {
-  if (found.dot(seen) > kPlainCos) return true;
-  SurfaceBelief belief = belief_at(k, p, found, 0);
-  belief.accept(found);
-  return belief.shows(seen) > kOtherSide;
 }
 
 /// Near a finding, or where nothing was found.
@@ -73,13 +56,13 @@ Vec3 AreaFitter::Fit::towards() const {
   return sum.normalized();
 }
 
-bool AreaFitter::Fit::seen_in(std::uint64_t look) const {
+bool AreaFitter::Fit::seen_in(std::size_t look) const {
   return std::any_of(seen.begin(), seen.end(), [&](const Seen& s) { return s.look == look; });
 }
 
 void AreaFitter::take(robot::Knowledge& k, const mission::Sightings& sightings, RegionId region) {
-  ++looks_;
-  std::set<FeatureId> taken;
+  region_ = region;
+  std::vector<mission::Sighting> own;
   for (const mission::Sighting& s : sightings.seen) {
     if (!concerns(k.mission(), region, s.position)) continue;
     // Somebody else's area is not fitted again.
@@ -87,82 +70,36 @@ void AreaFitter::take(robot::Knowledge& k, const mission::Sightings& sightings, 
       return a.first.author != k.self() &&
              (a.second.area.position - s.position).norm() < kSameArea_m;
     });
-    if (theirs) continue;
-    const Vec3 towards = (sightings.sensor.p - s.position).normalized();
-    const Seen seen{s, towards, sightings.sensor, looks_, 0};
-    if (!explained(k, seen, &taken)) add(k, seen, region);
+    if (!theirs) own.push_back(s);
+  }
+  log_.renew(k);
+  for (const Seen& seen : log_.take(k, sightings.sensor, own)) {
+    if (!asked_enough(k, seen.sighting.position)) add(k, seen, region);
   }
 }
 
-/// A false area close to a true one answers with the true one again and again.
-bool AreaFitter::asked_enough(const Vec3& p) const {
+/// A false area close to a true one answers with the true one again and again; where several are
+/// close together there may be another.
+bool AreaFitter::asked_enough(const robot::Knowledge& k, const Vec3& p) const {
   const auto asked = std::count_if(fits_.begin(), fits_.end(), [&](const Fit& f) {
-    return f.closed && (f.mean() - p).norm() < kSameFeature_m;
+    return f.closed && (f.mean() - p).norm() < kSamePlace_m;
   });
-  return asked > kReviews;
-}
-
-/// By a finding near by whose surface shows itself to the sighter (one that no other sighting of
-/// the same look was `taken` for), or by an inspection that found nothing here.
-bool AreaFitter::explained(const robot::Knowledge& k, const Seen& seen,
-                           std::set<FeatureId>* taken) const {
-  const Vec3& p = seen.sighting.position;
-  if (asked_enough(p)) return true;
-  const mission::Finding* nearest = nullptr;
-  double nearest_m = kSameFeature_m;
+  if (asked <= kReviews) return false;
+  std::set<FeatureId> beside;
   for (const auto& [ref, result] : k.results()) {
-    const mission::Inspection& i = result.inspection;
-    const double off_m = (i.area_position - p).norm();
-    if (off_m > 2 * kSameArea_m) continue;
-    if (!i.found && off_m < kSameFeature_m) return true;
-    for (const mission::Finding& f : i.findings) {
-      const double d = (f.position - p).norm();
-      if (d >= nearest_m || (taken && taken->contains(f.feature))) continue;
-      if (!shows(k, f.position, (i.pose.p - f.position).normalized(), seen.towards)) continue;
-      nearest = &f;
-      nearest_m = d;
+    for (const mission::Finding& f : result.inspection.findings) {
+      if ((f.position - p).norm() < kSameArea_m) beside.insert(f.feature);
     }
   }
-  if (nearest && taken) taken->insert(nearest->feature);
-  return nearest != nullptr;
+  return static_cast<std::size_t>(asked) > kReviews + std::max<std::size_t>(beside.size(), 1) - 1;
 }
 
-/// What other sightings of the same look are nearer to: not sighted twice in one look.
-std::set<FeatureId> AreaFitter::claimed_beside(const robot::Knowledge& k, const Seen& seen) const {
-  std::set<FeatureId> claimed;
-  for (const Fit& fit : fits_) {
-    for (const Seen& other : fit.seen) {
-      const Vec3& p = other.sighting.position;
-      const double apart_m = (p - seen.sighting.position).norm();
-      if (other.look != seen.look || apart_m <= 0 || apart_m > 2 * kSameFeature_m) continue;
-      for (const auto& [ref, result] : k.results()) {
-        for (const mission::Finding& f : result.inspection.findings) {
-          const double d = (f.position - p).norm();
-          if (d < kSameFeature_m && d < (f.position - seen.sighting.position).norm())
-            claimed.insert(f.feature);
-        }
-      }
-    }
-  }
-  return claimed;
-}
-
-/// Sightings of a fit with a result that the result, and all others, do not explain: each for
-/// itself, or all together when their middle lies off every finding.
-std::vector<AreaFitter::Seen> AreaFitter::unexplained(const robot::Knowledge& k,
-                                                      const Fit& fit) const {
-  const mission::Inspection& result = k.results().at(*fit.ref).inspection;
-  const double off_m =
-      std::max(kMiddleLeast_m, kMiddle_m / std::sqrt(static_cast<double>(fit.seen.size())));
-  const Vec3 mean = fit.mean();
-  const bool middle =
-      !result.found || asked_enough(mean) ||
-      std::any_of(result.findings.begin(), result.findings.end(),
-                  [&](const auto& f) { return (f.position - mean).norm() < off_m; });
+/// Sightings of a fit with a result that neither this result nor any other explains.
+std::vector<Seen> AreaFitter::unexplained(const robot::Knowledge& k, const Fit& fit) const {
   std::vector<Seen> left;
+  if (asked_enough(k, fit.mean())) return left;
   for (const Seen& seen : fit.seen) {
-    std::set<FeatureId> taken = claimed_beside(k, seen);
-    if (seen.reviews >= kReviews || (middle && explained(k, seen, &taken))) continue;
+    if (seen.reviews >= kReviews || log_.explained(seen)) continue;
     left.push_back(seen);
     ++left.back().reviews;
   }
@@ -173,9 +110,10 @@ void AreaFitter::review(robot::Knowledge& k, bool explored) {
   const bool over = explored && !explored_;
   explored_ = explored;
   const bool doubts_due = k.now() >= doubts_again_;
-  if (k.results().size() == results_ && !over && !doubts_due) return;
-  results_ = k.results().size();
+  const bool news = log_.renew(k);
+  if (!news && !over && !doubts_due) return;
   doubts_again_ = k.now() + Duration::from_s(kDoubtsEvery_s);
+  tell_apart(k);
   std::vector<std::pair<Seen, RegionId>> again;
   for (Fit& fit : fits_) {
     if (fit.closed || !fit.ref || !k.inspected(*fit.ref)) continue;
@@ -186,13 +124,51 @@ void AreaFitter::review(robot::Knowledge& k, bool explored) {
   settle_doubts(k, over);
 }
 
+/// Of sightings that are more likely of two features than of one: those of a feature that was found
+/// and explained all of them, and those of an area whose result is not in.
+void AreaFitter::tell_apart(robot::Knowledge& k) {
+  const double sigma_m = k.mission().sensing.sighting_sigma_m;
+  const auto open = [&](const Seen& s) {
+    return std::any_of(fits_.begin(), fits_.end(), [&](const Fit& f) {
+      return !f.closed && std::any_of(f.seen.begin(), f.seen.end(), [&](const Seen& o) {
+        return o.look == s.look && o.place == s.place;
+      });
+    });
+  };
+  for (const Seen& seen : log_.second_features(sigma_m)) {
+    // (Those of an area that was answered just now are reviewed with it.)
+    if (!open(seen) && !asked_enough(k, seen.sighting.position)) add(k, seen, region_);
+  }
+  for (std::size_t f = 0; f < fits_.size(); ++f) {
+    Fit& fit = fits_[f];
+    if (fit.closed || !fit.ref || k.inspected(*fit.ref) || fit.seen.size() < kTestFrom ||
+        std::exchange(fit.tested, fit.seen.size()) == fit.seen.size())
+      continue;
+    std::vector<Vec3> points;
+    for (const Seen& s : fit.seen) points.push_back(s.sighting.position);
+    const std::vector<std::size_t> others = second_source(points, sigma_m, std::nullopt);
+    if (others.empty()) continue;
+    std::vector<Seen> stay, leave;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const bool leaves = std::binary_search(others.begin(), others.end(), i);
+      (leaves ? leave : stay).push_back(fit.seen[i]);
+    }
+    fit.seen = std::move(stay);
+    publish(k, fit);
+    const RegionId region = fit.area.region;
+    Fit& second = begin(k, leave.front(), region);  // `fit` may have moved
+    second.seen = std::move(leave);
+    publish(k, second);
+  }
+}
+
 /// What has been explained meanwhile is forgotten. What is not after a while is asked for: surfaces
 /// that are hard to see are sighted once, and a look settles it.
 void AreaFitter::settle_doubts(robot::Knowledge& k, bool over) {
   std::vector<std::size_t> settled;
   for (std::size_t i = 0; i < fits_.size(); ++i) {
     if (fits_[i].ref) continue;
-    std::erase_if(fits_[i].seen, [&](const Seen& seen) { return explained(k, seen); });
+    std::erase_if(fits_[i].seen, [&](const Seen& seen) { return log_.explained(seen); });
     if (fits_[i].seen.empty())
       settled.push_back(i);
     else if (over || (k.now() - fits_[i].since).s() > kDoubt_s)
@@ -207,7 +183,10 @@ AreaFitter::Fit* AreaFitter::open_fit(const robot::Knowledge& k, const Seen& see
   double best_m = kSameArea_m;
   for (Fit& f : fits_) {
     const double d = (f.mean() - seen.sighting.position).norm();
-    if (f.closed || d >= best_m || f.seen_in(seen.look)) continue;
+    const double spread = std::sqrt(1 + 1 / static_cast<double>(f.seen.size()));
+    if (d > kOfMiddle_sigmas * k.mission().sensing.sighting_sigma_m * spread) continue;
+    if (f.closed || (f.ref && k.inspected(*f.ref))) continue;
+    if (d >= best_m || f.seen_in(seen.look)) continue;
     const Vec3 towards = f.towards();
     const bool plain = towards.dot(seen.towards) > kPlainCos;
     if (!plain && belief_at(k, f.mean(), towards, 0.1).shows(seen.towards) < kOtherSide) continue;
@@ -229,17 +208,20 @@ bool AreaFitter::doubtful(const robot::Knowledge& k, const Seen& seen) const {
   return beside || beside_known(k, seen.sighting.position);
 }
 
+AreaFitter::Fit& AreaFitter::begin(const robot::Knowledge& k, const Seen& seen, RegionId region) {
+  Fit& fit = fits_.emplace_back();
+  fit.since = k.now();
+  fit.area.region = region;
+  fit.area.feature_type = seen.sighting.feature_type;
+  fit.area.priority = seen.sighting.priority;
+  fit.area.skill = seen.sighting.skill;
+  return fit;
+}
+
 void AreaFitter::add(robot::Knowledge& k, const Seen& seen, RegionId region) {
   Fit* fit = open_fit(k, seen);
   const bool sure = !fit && !doubtful(k, seen);
-  if (!fit) {
-    fit = &fits_.emplace_back();
-    fit->since = k.now();
-    fit->area.region = region;
-    fit->area.feature_type = seen.sighting.feature_type;
-    fit->area.priority = seen.sighting.priority;
-    fit->area.skill = seen.sighting.skill;
-  }
+  if (!fit) fit = &begin(k, seen, region);
   fit->seen.push_back(seen);
   if (!fit->ref) {
     if (sure || fit->seen.size() >= kSure) publish(k, *fit);

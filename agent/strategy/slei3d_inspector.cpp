@@ -139,12 +139,11 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
     intent.reason = "on the way to areas that are out of sight so far";
     return intent;
   }
-  const mission::Area& area = k.areas().at(*current_).area;
   intent.kind = robot::Intent::Kind::kInspect;
   intent.goal = view_.pose;
   intent.use_yaw = true;
   intent.area = *current_;
-  intent.area_position = spot_to_ask(k, area);
+  intent.area_position = asked_;
   if (progress.state == robot::Progress::State::kArrived)
     intent.activity = mission::Activity::kInspecting;
   intent.reason =
@@ -197,6 +196,7 @@ bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& r
   if (view) {
     view_ = *view;
     current_ = ref;
+    asked_ = spot_to_ask(k, k.areas().at(ref).area);
     looking_since_.reset();
     moved_to_ = k.position();
     moved_at_ = k.now();
@@ -216,10 +216,10 @@ bool Slei3dInspector::explored(const robot::Knowledge& k, const mission::AreaRef
 }
 
 /// Sighted once or twice, and so near a feature that is known that it may have been a sighting of
-/// that one: not worth looking from everywhere.
+/// that one, and that refusals may be about that one: not worth looking from everywhere.
 bool Slei3dInspector::may_be_stray(const robot::Knowledge& k, const mission::AreaRef& ref) {
   const mission::Area& area = k.areas().at(ref).area;
-  if (area.sightings > 2) return false;
+  if (area.sightings > 2 || !known_near(k, spot_to_ask(k, area))) return false;
   return std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
     const auto& findings = r.second.inspection.findings;
     return std::any_of(findings.begin(), findings.end(), [&](const mission::Finding& f) {
@@ -237,7 +237,7 @@ void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
   Effort& effort = efforts_[ref];
   effort.in_vain.push_back({view_.look, refused});
   ++(refused ? effort.looks : effort.tries);
-  if (refused && known_near(k, spot_to_ask(k, k.areas().at(ref).area))) {
+  if (refused && known_near(k, asked_)) {
     effort.open *= 1 - (1 - kMisled) * view_.probability;
     if (effort.open < kRuledOut) return report_nothing(k, ref);
   }
@@ -271,6 +271,7 @@ void Slei3dInspector::report_nothing(robot::Knowledge& k, const mission::AreaRef
   result.area = ref;
   result.area_position = k.areas().at(ref).area.position;
   result.pose = k.odometry().pose;
+  result.parts = 0;  // no answer
   result.done = k.now();
   k.publish(store::RecordClass::kInspection, robot::result_key(ref), result);
 }
@@ -280,7 +281,7 @@ void Slei3dInspector::report(robot::Knowledge& k, const mission::Inspected& answ
   if (answer.outcome != InspectOutcome::kFound && answer.outcome != InspectOutcome::kEmpty) return;
   mission::Inspection result;
   result.area = *current_;
-  result.area_position = k.areas().at(*current_).area.position;
+  result.area_position = asked_;
   result.pose = k.odometry().pose;
   result.done = k.now();
   result.found = answer.outcome == mission::InspectOutcome::kFound;

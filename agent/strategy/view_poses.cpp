@@ -27,7 +27,11 @@ constexpr double kRanges_m[] = {1.2, 1.6, 2.1, 2.7, 3.4, 4.1, 4.6};
 constexpr double kElevations_rad[] = {0.0,   0.12, -0.12, 0.22,  -0.22,  0.3,   -0.3,  0.37,
                                       -0.37, 0.43, -0.43, 0.475, -0.475, 0.505, -0.505};
 constexpr int kAzimuths = 24;
+constexpr int kRound = 8;  // attempts
+constexpr double kGolden = 0.618034, kSilver = 0.414214, kBetween_rad = 0.12;
 constexpr double kBeside_m = 0.01;
+constexpr double kAside_m = 0.42;  // still within the rule's distance of where it was sighted
+constexpr int kPushes = 12;
 constexpr std::size_t kLinesOfSight = 400;  // asked for at most, until looks have been in vain
 
 double angle(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(a.dot(b), -1.0, 1.0)); }
@@ -93,9 +97,14 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
       found.push_back({way_s, cost_s(way_s, chance), view});
     }
   };
+  // Directions between those of the rounds before, again and again: some cones are narrower than
+  // any grid.
+  const int round = attempts / kRound;
+  const double az_shift = std::fmod(kGolden * round, 1), el_shift = std::fmod(kSilver * round, 1);
   for (int i = 0; i < kAzimuths; ++i) {
-    const double az = 2 * std::numbers::pi * i / kAzimuths;
-    for (const double el : kElevations_rad) {
+    const double az = 2 * std::numbers::pi * (i + az_shift) / kAzimuths;
+    for (const double level : kElevations_rad) {
+      const double el = level + (el_shift > 0.5 ? el_shift - 1 : el_shift) * kBetween_rad;
       consider({std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el)}, kRanges_m,
                false);
     }
@@ -131,20 +140,22 @@ bool known_near(const robot::Knowledge& k, const Vec3& spot) {
   });
 }
 
+/// Pushed away from the known features, which moves it least, again and again until none is near.
 Vec3 spot_to_ask(const robot::Knowledge& k, const mission::Area& area) {
-  if (!known_near(k, area.position)) return area.position;
-  for (const double aside_m : {0.08, 0.16, 0.24}) {
-    for (int z = -1; z <= 1; ++z) {
-      for (int y = -1; y <= 1; ++y) {
-        for (int x = -1; x <= 1; ++x) {
-          if (x == 0 && y == 0 && z == 0) continue;
-          Vec3 spot = area.position + aside_m * Vec3(x, y, z).normalized();
-          if (!known_near(k, spot)) return spot;
-        }
+  Vec3 spot = area.position;
+  const double least_m = k.mission().inspect.match_m + 2 * kBeside_m;
+  for (int i = 0; i < kPushes && known_near(k, spot); ++i) {
+    for (const auto& [ref, result] : k.results()) {
+      for (const mission::Finding& f : result.inspection.findings) {
+        const Vec3 away = spot - f.position;
+        if (away.norm() >= least_m) continue;
+        const Vec3 out = away.norm() > kBeside_m ? Vec3(away.normalized()) : area.normal;
+        spot = f.position + least_m * out;
       }
     }
   }
-  return area.position;
+  const bool aside = (spot - area.position).norm() < kAside_m && !known_near(k, spot);
+  return aside ? spot : area.position;
 }
 
 bool in_sight(const robot::Knowledge& k, const mission::Area& area, const Pose& pose) {

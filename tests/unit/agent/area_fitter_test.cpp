@@ -59,6 +59,8 @@ TEST_CASE("what no finding explains is asked for when seen again, a few times at
   fitter.review(k, false);
   CHECK(k.areas().size() == 1);  // one sighting may be a stray one
   fitter.take(k, look({5, -3, 2}, {{5.5, 0, 2}}), kRegion);
+  k.begin(SimTime::from_s(20));
+  fitter.review(k, false);
   REQUIRE(k.areas().size() == 2);
   const mission::AreaRef second = k.areas().rbegin()->first;
   CHECK((k.areas().at(second).area.position - Vec3(5.475, 0, 2)).norm() < 0.01);
@@ -80,7 +82,7 @@ TEST_CASE("what was seen but once beside something known is asked for after a wh
     fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
     inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5, 0, 2}});
     fitter.review(k, false);
-    fitter.take(k, look({5, -3, 2}, {{5.45, 0, 2}}), kRegion);
+    fitter.take(k, look({5, -3, 2}, {{5.7, 0, 2}}), kRegion);
     k.begin(SimTime::from_s(20));
     fitter.review(k, false);
     CHECK(k.areas().size() == 1);
@@ -170,5 +172,71 @@ TEST_CASE("what was inspected and explained is not fitted again") {
   }
   fitter.review(k, false);
   fitter.take(k, look({5, -3, 2}, {{5.1, 0, 2}, {8.2, 0, 2}}), kRegion);
+  CHECK(k.areas().size() == 2);
+}
+
+TEST_CASE("one sighting off a finding may be an outlier, two at one place are another feature") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  AreaFitter fitter;
+  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
+  inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5, 0, 2}});
+  fitter.take(k, look({5, -3, 2}, {{5.45, 0, 2}}), kRegion);
+  k.begin(SimTime::from_s(100));
+  fitter.review(k, true);
+  CHECK(k.areas().size() == 1);
+  fitter.take(k, look({5, -3, 2}, {{5.5, 0.05, 2}}), kRegion);
+  k.begin(SimTime::from_s(120));
+  fitter.review(k, true);
+  REQUIRE(k.areas().size() == 2);
+  CHECK((k.areas().rbegin()->second.area.position - Vec3(5.475, 0.025, 2)).norm() < 0.01);
+}
+
+TEST_CASE("two sightings of one look near one known feature are two, though both are near it") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  AreaFitter fitter;
+  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
+  inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5, 0, 2}});
+  for (int i = 0; i < 2; ++i) fitter.take(k, look({5, -3, 2}, {{5.02, 0, 2}, {5.2, 0, 2}}), kRegion);
+  REQUIRE(k.areas().size() == 2);
+  CHECK((k.areas().rbegin()->second.area.position - Vec3(5.2, 0, 2)).norm() < 0.01);
+  // Nothing but the known one is there: the second was a false area.
+  inspect(k, k.areas().rbegin()->first, {5, -2, 2}, {});
+  fitter.review(k, false);
+  for (int i = 0; i < 3; ++i) fitter.take(k, look({5, -3, 2}, {{5.02, 0, 2}, {5.2, 0, 2}}), kRegion);
+  k.begin(SimTime::from_s(100));
+  fitter.review(k, true);
+  CHECK(k.areas().size() == 2);
+}
+
+TEST_CASE("sightings of one area that are of two features are shared out") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  AreaFitter fitter;
+  // Never both in one look, and each within reach of the middle of both.
+  for (int i = 0; i < 20; ++i)
+    fitter.take(k, look({5, -3, 2}, {{i % 2 == 0 ? 5.0 : 5.36, 0, 2}}), kRegion);
+  CHECK(k.areas().size() == 1);
+  k.begin(SimTime::from_s(20));
+  fitter.review(k, false);
+  REQUIRE(k.areas().size() == 2);
+  const Vec3 a = k.areas().begin()->second.area.position,
+             b = k.areas().rbegin()->second.area.position;
+  CHECK(std::abs((a - b).norm() - 0.36) < 0.01);
+}
+
+TEST_CASE("an area given up without an answer explains nothing") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  AreaFitter fitter;
+  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
+  mission::Inspection i;
+  i.area = k.areas().begin()->first;
+  i.area_position = {5, 0, 2};
+  i.parts = 0;
+  k.publish(store::RecordClass::kInspection, robot::result_key(i.area), i);
+  fitter.review(k, false);
+  fitter.take(k, look({5, -3, 2}, {{5.05, 0, 2}}), kRegion);
   CHECK(k.areas().size() == 2);
 }

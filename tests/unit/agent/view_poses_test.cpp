@@ -30,6 +30,31 @@ bool roof(const Vec3& p) { return std::abs(p.z() - roof_z(p)) < 0.15; }
 
 }  // namespace
 
+TEST_CASE("the spot to ask about is moved off what is known, as little as that takes") {
+  Place p(wall);
+  const auto find = [&](std::uint32_t id, const Vec3& at) {
+    mission::Inspection i;
+    i.area = {RobotId{1}, id};
+    i.area_position = at;
+    i.found = true;
+    i.findings = {{FeatureId{id}, 0, at}};
+    p.inspector.publish(store::RecordClass::kInspection, robot::result_key(i.area), i);
+  };
+  const mission::Area a = area_at({4.0, 0, 2}, {2.0, 0, 2});
+  CHECK(spot_to_ask(p.inspector, a) == a.position);
+  find(1, {4.0, 0.2, 2});
+  const Vec3 spot = spot_to_ask(p.inspector, a);
+  CHECK((spot - Vec3(4.0, 0.2, 2)).norm() > p.mission.inspect.match_m);
+  CHECK((spot - Vec3(4.0, -0.32, 2)).norm() < 0.01);
+  CHECK_FALSE(known_near(p.inspector, spot));
+  // Between two there is no such spot.
+  find(2, {4.0, -0.2, 2});
+  find(3, {4.0, 0, 2.2});
+  find(4, {4.0, 0, 1.8});
+  find(5, {3.8, 0, 2});
+  CHECK(spot_to_ask(p.inspector, a) == a.position);
+}
+
 TEST_CASE("a wall sighted from the side is looked at within the rule's incidence") {
   Place p(wall);
   const mission::Area a = area_at({4.0, 0, 2}, {2.0, 4.0, 2.2});
