@@ -10,7 +10,7 @@
 namespace muster::agent {
 namespace {
 
-constexpr double kSameArea_m = 0.5;  // RULES "Sighting and inspecting"
+constexpr double kSameArea_m = 0.5;   // RULES "Sighting and inspecting"
 constexpr double kSamePlace_m = 0.3;  // asked for here already
 constexpr double kNear_m = 0.75;      // where a sighting may be a stray one of something known
 constexpr double kDoubt_s = 40;       // for so long other looks may confirm or explain a sighting
@@ -19,8 +19,8 @@ constexpr double kBoxMargin_m = 0.4;
 constexpr double kMoved_m = 0.08;
 constexpr double kOfMiddle_sigmas = 3.7;  // a sighting this far from the middle is of another
 constexpr double kPlainCos = 0.5;         // directions this close can be of one surface
-constexpr double kOtherSide = 0.08;  // of showing itself to the sighter: less is another surface
-constexpr std::size_t kSure = 2;     // sightings that make a doubtful area one
+constexpr double kOtherSide = 0.08;   // of showing itself to the sighter: less is another surface
+constexpr std::size_t kSure = 2;      // sightings that make a doubtful area one
 constexpr std::size_t kTestFrom = 6;  // sightings of an area that may be two
 constexpr int kReviews = 2;
 

@@ -7,8 +7,9 @@
 namespace muster::agent {
 namespace {
 
-constexpr double kSameFeature_m = 0.6;  // six sigma: one so far off may be of it, two are told apart
-constexpr double kNothing_m = 0.5;      // around where nothing was found, by the rule
+constexpr double kSameFeature_m =
+    0.6;                            // six sigma: one so far off may be of it, two are told apart
+constexpr double kNothing_m = 0.5;  // around where nothing was found, by the rule
 constexpr double kConcerned_m = 1.0;
 constexpr double kPlainCos = 0.5;    // directions this close can be of one surface, whatever it is
 constexpr double kOtherSide = 0.08;  // of showing itself to the sighter: less is another surface

@@ -46,7 +46,7 @@ class LookLog {
   struct Entry {
     mission::Sighting sighting;
     Source source = Source::kUnknown;
-    FeatureId feature{};                 ///< of kFeature
+    FeatureId feature{};                  ///< of kFeature
     std::optional<FeatureId> other_than;  ///< told apart from it
   };
   struct Look {

@@ -19,7 +19,6 @@ constexpr double kRetryUnexplored_s = 60;
 // Of a refusal: a body in the way, or a surface that lies otherwise than it seems.
 constexpr double kMisled = 0.2;
 constexpr double kRuledOut = 0.03;  // chance of a feature left: less is none
-constexpr double kStray_m = 0.6;
 constexpr double kSameSpot_m = 0.3;
 constexpr int kStrayLooks = 10;
 constexpr double kDoubted = 0.5, kHopeless = 0.1;
@@ -103,11 +102,11 @@ robot::Intent Slei3dInspector::decide(robot::Knowledge& k, const robot::Progress
 robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
                                        const robot::Progress& progress) {
   worked_ = true;
+  const bool arrived = progress.state == robot::Progress::State::kArrived;
   if (current_ && std::find(o.areas.begin(), o.areas.end(), *current_) == o.areas.end())
     current_.reset();
   if (current_) {
-    const bool there = progress.state == robot::Progress::State::kArrived;
-    if (!there)
+    if (!arrived)
       looking_since_.reset();
     else if (!looking_since_)
       looking_since_ = k.now();
@@ -116,9 +115,8 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
     const bool refused = look_s > k.mission().inspect.hold_s + kAnswer_s ||
                          (progress.inspected &&
                           progress.inspected->outcome == mission::InspectOutcome::kRefusedView);
-    const bool hidden = progress.state != robot::Progress::State::kArrived && !view_.seen &&
-                        !in_sight(k, k.areas().at(*current_).area, view_.pose);
-    const bool arrived = progress.state == robot::Progress::State::kArrived;
+    const bool hidden =
+        !arrived && !view_.seen && !in_sight(k, k.areas().at(*current_).area, view_.pose);
     if (arrived || (k.position() - moved_to_).norm() > kMoved_m) {
       moved_to_ = k.position();
       moved_at_ = k.now();
@@ -144,8 +142,7 @@ robot::Intent Slei3dInspector::inspect(robot::Knowledge& k, const Orders& o,
   intent.use_yaw = true;
   intent.area = *current_;
   intent.area_position = asked_;
-  if (progress.state == robot::Progress::State::kArrived)
-    intent.activity = mission::Activity::kInspecting;
+  if (arrived) intent.activity = mission::Activity::kInspecting;
   intent.reason =
       "area " + std::to_string(current_->author.value) + "." + std::to_string(current_->key);
   return intent;
@@ -215,17 +212,11 @@ bool Slei3dInspector::explored(const robot::Knowledge& k, const mission::AreaRef
   return p.region != k.areas().at(ref).area.region || p.state >= mission::RegionState::kExplored;
 }
 
-/// Sighted once or twice, and so near a feature that is known that it may have been a sighting of
-/// that one, and that refusals may be about that one: not worth looking from everywhere.
+/// Sighted once or twice where no spot is clear of known features: it may have been a sighting of
+/// one of those, and refusals may be about them. Not worth looking from everywhere.
 bool Slei3dInspector::may_be_stray(const robot::Knowledge& k, const mission::AreaRef& ref) {
   const mission::Area& area = k.areas().at(ref).area;
-  if (area.sightings > 2 || !known_near(k, spot_to_ask(k, area))) return false;
-  return std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
-    const auto& findings = r.second.inspection.findings;
-    return std::any_of(findings.begin(), findings.end(), [&](const mission::Finding& f) {
-      return (f.position - area.position).norm() < kStray_m;
-    });
-  });
+  return area.sightings <= 2 && known_near(k, spot_to_ask(k, area)) && explored(k, ref);
 }
 
 /// Refused: look from elsewhere, at once while there is a fair chance. Not to be reached or out of
@@ -241,8 +232,7 @@ void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
     effort.open *= 1 - (1 - kMisled) * view_.probability;
     if (effort.open < kRuledOut) return report_nothing(k, ref);
   }
-  if (effort.looks >= kStrayLooks && explored(k, ref) && may_be_stray(k, ref))
-    return report_nothing(k, ref);
+  if (effort.looks >= kStrayLooks && may_be_stray(k, ref)) return report_nothing(k, ref);
   if (!refused) postpone(k, ref);
   if (effort.in_vain.size() >= kManyLooks) effort.in_vain.clear();
 }
@@ -254,7 +244,7 @@ void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
 void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref) {
   Effort& effort = efforts_[ref];
   effort.not_before = k.now() + Duration::from_s(kRetryArea_s);
-  if (effort.looks + effort.tries >= kStrayLooks && explored(k, ref) && may_be_stray(k, ref))
+  if (effort.looks + effort.tries >= kStrayLooks && may_be_stray(k, ref))
     return report_nothing(k, ref);
   if (effort.tries < kMaxTries) return;
   if (!explored(k, ref) || effort.looks > 0) {

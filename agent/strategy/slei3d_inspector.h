@@ -50,7 +50,7 @@ class Slei3dInspector : public robot::Strategy {
 
   std::vector<mission::PlanningTime> planning_;
   std::optional<mission::AreaRef> current_;
-  ViewPose view_;                // of the current area
+  ViewPose view_;              // of the current area
   Vec3 asked_ = Vec3::Zero();  // the spot that the camera is asked about
   /// What one area has cost so far.
   struct Effort {

@@ -198,13 +198,15 @@ TEST_CASE("two sightings of one look near one known feature are two, though both
   AreaFitter fitter;
   fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
   inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5, 0, 2}});
-  for (int i = 0; i < 2; ++i) fitter.take(k, look({5, -3, 2}, {{5.02, 0, 2}, {5.2, 0, 2}}), kRegion);
+  for (int i = 0; i < 2; ++i)
+    fitter.take(k, look({5, -3, 2}, {{5.02, 0, 2}, {5.2, 0, 2}}), kRegion);
   REQUIRE(k.areas().size() == 2);
   CHECK((k.areas().rbegin()->second.area.position - Vec3(5.2, 0, 2)).norm() < 0.01);
   // Nothing but the known one is there: the second was a false area.
   inspect(k, k.areas().rbegin()->first, {5, -2, 2}, {});
   fitter.review(k, false);
-  for (int i = 0; i < 3; ++i) fitter.take(k, look({5, -3, 2}, {{5.02, 0, 2}, {5.2, 0, 2}}), kRegion);
+  for (int i = 0; i < 3; ++i)
+    fitter.take(k, look({5, -3, 2}, {{5.02, 0, 2}, {5.2, 0, 2}}), kRegion);
   k.begin(SimTime::from_s(100));
   fitter.review(k, true);
   CHECK(k.areas().size() == 2);
