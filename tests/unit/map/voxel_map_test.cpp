@@ -60,6 +60,18 @@ TEST_CASE("own evidence wins over what others say") {
   CHECK(m.at(Vec3(0.1, 3, 1.5)) == Voxel::kFree);
 }
 
+TEST_CASE("the place of the own body stays free, whatever a teammate took it for") {
+  VoxelMap m(toy::config());
+  const Vec3 here(1.1, 1.1, 1.1);
+  const BlockKey b = block_of(m.key(here));
+  m.merge(RobotId{4}, said(b, Voxel::kOccupied));
+  REQUIRE(m.at(here) == Voxel::kOccupied);
+  m.insert_free_ball(here, 0.25);
+  CHECK(m.at(here) == Voxel::kFree);
+  m.merge(RobotId{5}, said(b, Voxel::kOccupied));
+  CHECK(m.at(here) == Voxel::kFree);
+}
+
 TEST_CASE("news are what changes the picture of who has heard everything else") {
   VoxelMap m(toy::config());
   toy::see(m, kRoom, kEye);
