@@ -20,7 +20,7 @@ constexpr double kRetryUnexplored_s = 60;
 constexpr double kMisled = 0.2;
 constexpr double kRuledOut = 0.03;  // chance of a feature left: less is none
 constexpr double kSameSpot_m = 0.3;
-constexpr int kStrayLooks = 10;
+constexpr int kStrayLooks = 10, kManyStrayLooks = 24;
 constexpr double kDoubted = 0.5, kHopeless = 0.1;
 constexpr double kAnswer_s = 0.6;  // after the hold
 constexpr int kLooksInARow = 3;
@@ -212,11 +212,17 @@ bool Slei3dInspector::explored(const robot::Knowledge& k, const mission::AreaRef
   return p.region != k.areas().at(ref).area.region || p.state >= mission::RegionState::kExplored;
 }
 
-/// Sighted once or twice where no spot is clear of known features: it may have been a sighting of
-/// one of those, and refusals may be about them. Not worth looking from everywhere.
+/// It may have been a sighting of a feature that is known, and not be worth looking from
+/// everywhere: sighted once or twice where no spot to ask about is clear of known ones, so that
+/// refusals may be about them; or looked at in vain so often that the spot may be one that no
+/// camera sees.
 bool Slei3dInspector::may_be_stray(const robot::Knowledge& k, const mission::AreaRef& ref) {
   const mission::Area& area = k.areas().at(ref).area;
-  return area.sightings <= 2 && known_near(k, spot_to_ask(k, area)) && explored(k, ref);
+  const Effort& effort = efforts_[ref];
+  const int vain = effort.looks + effort.tries;
+  if (!known_near(k, area.position) || !explored(k, ref)) return false;
+  return vain >= kManyStrayLooks ||
+         (vain >= kStrayLooks && area.sightings <= 2 && known_near(k, spot_to_ask(k, area)));
 }
 
 /// Refused: look from elsewhere, at once while there is a fair chance. Not to be reached or out of
@@ -232,7 +238,7 @@ void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
     effort.open *= 1 - (1 - kMisled) * view_.probability;
     if (effort.open < kRuledOut) return report_nothing(k, ref);
   }
-  if (effort.looks >= kStrayLooks && may_be_stray(k, ref)) return report_nothing(k, ref);
+  if (may_be_stray(k, ref)) return report_nothing(k, ref);
   if (!refused) postpone(k, ref);
   if (effort.in_vain.size() >= kManyLooks) effort.in_vain.clear();
 }
@@ -244,8 +250,7 @@ void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
 void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref) {
   Effort& effort = efforts_[ref];
   effort.not_before = k.now() + Duration::from_s(kRetryArea_s);
-  if (effort.looks + effort.tries >= kStrayLooks && may_be_stray(k, ref))
-    return report_nothing(k, ref);
+  if (may_be_stray(k, ref)) return report_nothing(k, ref);
   if (effort.tries < kMaxTries) return;
   if (!explored(k, ref) || effort.looks > 0) {
     effort.tries = kMaxTries / 2;

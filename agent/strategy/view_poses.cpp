@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
+
+#include "common/map/planes.h"
 
 namespace muster::agent {
 namespace {
@@ -140,22 +143,50 @@ bool known_near(const robot::Knowledge& k, const Vec3& spot) {
   });
 }
 
-/// Pushed away from the known features, which moves it least, again and again until none is near.
-Vec3 spot_to_ask(const robot::Knowledge& k, const mission::Area& area) {
-  Vec3 spot = area.position;
+namespace {
+
+/// Pushed away from the known features, which moves it least, and never against `up`, again and
+/// again until none is near; nullopt: that takes too much.
+std::optional<Vec3> aside(const robot::Knowledge& k, const Vec3& from, const Vec3& up) {
   const double least_m = k.mission().inspect.match_m + 2 * kBeside_m;
+  Vec3 spot = from;
   for (int i = 0; i < kPushes && known_near(k, spot); ++i) {
     for (const auto& [ref, result] : k.results()) {
       for (const mission::Finding& f : result.inspection.findings) {
         const Vec3 away = spot - f.position;
         if (away.norm() >= least_m) continue;
-        const Vec3 out = away.norm() > kBeside_m ? Vec3(away.normalized()) : area.normal;
+        const Vec3 out = away.norm() > kBeside_m ? Vec3(away.normalized()) : up;
         spot = f.position + least_m * out;
+        spot += std::max(0.0, (from - spot).dot(up)) * up;
       }
     }
   }
-  const bool aside = (spot - area.position).norm() < kAside_m && !known_near(k, spot);
-  return aside ? spot : area.position;
+  if ((spot - from).norm() > kAside_m || known_near(k, spot)) return std::nullopt;
+  return spot;
+}
+
+/// Free, or a voxel below the surface: what lies deeper a camera does not see, and refuses.
+bool open_to_view(const map::VoxelMap& map, const Vec3& spot) {
+  const map::VoxelKey k = map.key(spot);
+  if (map.at(k) == map::Voxel::kFree) return true;
+  return std::ranges::any_of(map::kFaces, [&](const map::VoxelKey& d) {
+    return map.at(map::VoxelKey{k.x + d.x, k.y + d.y, k.z + d.z}) == map::Voxel::kFree;
+  });
+}
+
+}  // namespace
+
+Vec3 spot_to_ask(const robot::Knowledge& k, const mission::Area& area) {
+  if (!known_near(k, area.position)) return area.position;
+  const Vec3 squarest = (area.sighted_from.p - area.position).normalized();
+  std::optional<Vec3> hidden;
+  for (const Vec3& up : {Vec3(Vec3::Zero()), area.normal, squarest, Vec3(Vec3::UnitZ())}) {
+    const std::optional<Vec3> spot = aside(k, area.position, up);
+    if (!spot) continue;
+    if (open_to_view(k.map(), *spot)) return *spot;
+    if (!hidden) hidden = spot;
+  }
+  return hidden.value_or(area.position);
 }
 
 bool in_sight(const robot::Knowledge& k, const mission::Area& area, const Pose& pose) {
