@@ -122,11 +122,12 @@ void RegionCells::recompute(std::size_t index) {
   const BlockView view = map_.view(slot.key);
   if (!view) return;
   const Plane free = plane(view.free);
-  Plane beside_unknown{}, beside_free{}, credit{};
+  Plane beside_unknown{}, beside_free{}, credit{}, lateral{}, face_owed{}, level_owed{};
   for (int face = 0; face < 6; ++face) {
     const VoxelKey& d = kFaces[face];
-    const auto neighbour = [&](int f) -> const Slot* {
-      const int n = neighbours_[index][beyond(f)];
+    const auto f = static_cast<std::size_t>(face);
+    const auto neighbour = [&](int to) -> const Slot* {
+      const int n = neighbours_[index][beyond(to)];
       return n < 0 ? nullptr : &slots_[static_cast<std::size_t>(n)];
     };
     const Slot *ahead = neighbour(face), *behind = neighbour(face ^ 1);
@@ -141,11 +142,22 @@ void RegionCells::recompute(std::size_t index) {
       // Noise moves a surface by a voxel along its normal: the looks at it still count.
       credit[w] |= free_ahead[w] & (seen_ahead[w] | seen_behind[w]);
     }
+    const Plane face_ahead =
+        shifted(slot.face_seen[f], ahead ? ahead->face_seen[f] : kNothing, face);
+    const Plane face_behind =
+        shifted(slot.face_seen[f], behind ? behind->face_seen[f] : kNothing, face ^ 1);
+    Plane& owed_here = d.z == 0 ? face_owed : level_owed;
+    for (std::size_t w = 0; w < 64; ++w) {
+      if (d.z == 0) lateral[w] |= free_ahead[w];
+      owed_here[w] |= free_ahead[w] & ~(slot.face_seen[f][w] | face_ahead[w] | face_behind[w]);
+    }
   }
   Plane frontier, owed;
   for (std::size_t w = 0; w < 64; ++w) {
     frontier[w] = free[w] & slot.inside[w] & beside_unknown[w] & ~slot.given_up[w];
-    owed[w] = view.occupied[w] & slot.high_enough[w] & beside_free[w] & ~slot.seen[w] & ~credit[w];
+    const std::uint64_t rarely = ~slot.seen[w] & ~credit[w];
+    const std::uint64_t sides = face_owed[w] | (level_owed[w] & lateral[w]);
+    owed[w] = view.occupied[w] & slot.high_enough[w] & beside_free[w] & (rarely | sides);
   }
   if (looks_ > 0) {
     Plane fresh;
@@ -167,17 +179,55 @@ void RegionCells::looked_in_vain(VoxelKey k) {
   slot->dirty = true;
 }
 
-void RegionCells::count_look(VoxelKey k) {
+FaceSet RegionCells::owed_faces(VoxelKey k) const {
+  const std::size_t i = index_of(block_of(k));
+  const int at = local_index(k);
+  if (i == kNone || !bit(owed_.marks(i), at)) return 0;
+  const Slot& slot = slots_[i];
+  const bool rarely = slot.looks.empty() || slot.looks[static_cast<std::size_t>(at)] < looks_;
+  FaceSet open = 0, lateral = 0, unseen = 0;
+  for (int face = 0; face < 6; ++face) {
+    const VoxelKey& d = kFaces[face];
+    if (map_.at(VoxelKey{k.x + d.x, k.y + d.y, k.z + d.z}) != Voxel::kFree) continue;
+    const auto one = static_cast<FaceSet>(1u << face);
+    open |= one;
+    if (d.z == 0) lateral |= one;
+    if (!bit(slot.face_seen[static_cast<std::size_t>(face)], at)) unseen |= one;
+  }
+  if (rarely) return open;
+  return lateral != 0 ? unseen : 0;
+}
+
+bool RegionCells::owed_from(VoxelKey k, const Vec3& eye) const {
+  const FaceSet owed = owed_faces(k);
+  if (owed == 0) return false;
+  const Vec3 towards = (eye - map_.center(k)).normalized();
+  for (int face = 0; face < 6; ++face) {
+    if ((owed >> face & 1) != 0 && towards.dot(face_normal(face)) > kLeastFacing) return true;
+  }
+  return false;
+}
+
+void RegionCells::count_look(VoxelKey k, FaceSet faces) {
   const std::size_t index = index_of(block_of(k));
   if (index == kNone) return;
   Slot& slot = slots_[index];
+  const int at = local_index(k);
   if (slot.looks.empty()) slot.looks.assign(kBlockVoxels, 0);
-  std::uint8_t& n = slot.looks[static_cast<std::size_t>(local_index(k))];
-  if (n < looks_) ++looks_counted_;
-  if (n < 255 && ++n == looks_) {
-    put(slot.seen, local_index(k), true);
-    mark_around(index);
+  bool news = false;
+  for (int face = 0; face < 6; ++face) {
+    Plane& seen = slot.face_seen[static_cast<std::size_t>(face)];
+    if ((faces >> face & 1) == 0 || bit(seen, at)) continue;
+    put(seen, at, true);
+    news = true;
   }
+  std::uint8_t& n = slot.looks[static_cast<std::size_t>(at)];
+  if (n < looks_ || news) ++looks_counted_;
+  if (n < 255 && ++n == looks_) {
+    put(slot.seen, at, true);
+    news = true;
+  }
+  if (news) mark_around(index);
 }
 
 }  // namespace muster::map

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <utility>
@@ -9,12 +11,26 @@
 
 namespace muster::map {
 
+/// Bit i: the face towards kFaces[i].
+using FaceSet = std::uint8_t;
+/// The cosine of the most grazing view that shows a face.
+inline constexpr double kLeastFacing = 0.15;
+inline Vec3 face_normal(int face) {
+  const VoxelKey& d = kFaces[face];
+  return {static_cast<double>(d.x), static_cast<double>(d.y), static_cast<double>(d.z)};
+}
+
 /// The voxels of one box that are worth looking at, kept up to date block by block:
 ///
 /// | marks      | a voxel that is … |
 /// |------------|--------------------------------------------------------------------------------------|
 /// | frontier   | free, in the box, beside an unknown one in the box, and not given up | | owed |
-/// occupied, in the box, at least 0.8 m high, beside a free one, looked at too rarely    |
+/// occupied, in the box, at least 0.8 m high, beside a free one, looked at too rarely,  | | | or
+/// never from the side of one of its open faces                                      |
+///
+/// A look from above says nothing of what hangs below an eave that is one voxel thick. A face up or
+/// down is asked for only beside an open side: the middle of a floor or ceiling is not in the way
+/// of anything, and nobody inspects it at 60° of incidence with a level camera.
 class RegionCells {
  public:
   RegionCells(const VoxelMap& map, const Box& box, std::uint32_t looks, double max_extent_m);
@@ -32,13 +48,10 @@ class RegionCells {
     const std::size_t i = index_of(block_of(k));
     return i != kNone && bit(slots_[i].unknown, local_index(k));
   }
-  /// How many looks this voxel is still owed; 0 when it is not owed any.
-  std::uint32_t looks_owed(VoxelKey k) const {
-    const std::size_t i = index_of(block_of(k));
-    if (i == kNone || !bit(owed_.marks(i), local_index(k))) return 0;
-    const auto& looks = slots_[i].looks;
-    return looks_ - (looks.empty() ? 0 : looks[static_cast<std::size_t>(local_index(k))]);
-  }
+  /// The faces from whose side this surface voxel is still owed a look.
+  FaceSet owed_faces(VoxelKey k) const;
+  /// A look from `eye` would show one of them, if nothing is in between.
+  bool owed_from(VoxelKey k, const Vec3& eye) const;
   std::uint64_t looks_counted() const { return looks_counted_; }
   bool given_up(VoxelKey k) const {
     const std::size_t i = index_of(block_of(k));
@@ -46,8 +59,8 @@ class RegionCells {
   }
   /// A scan should have resolved this frontier voxel and did not. After a few times it is given up.
   void looked_in_vain(VoxelKey frontier);
-  /// This surface voxel was in view at a look of the detector.
-  void count_look(VoxelKey surface);
+  /// These faces of a surface voxel were in view at a look of the detector.
+  void count_look(VoxelKey surface, FaceSet faces);
   /// Surface voxels that came to be owed looks since the last call: earlier looks may have had them
   /// in view before they were known. Every voxel is told of once.
   std::vector<VoxelKey> take_new_surface() { return std::exchange(new_surface_, {}); }
@@ -74,6 +87,7 @@ class RegionCells {
     Plane given_up{}, seen{}, told{};
     std::map<int, std::uint8_t> vain;  ///< few
     std::vector<std::uint8_t> looks;   ///< empty until the first
+    std::array<Plane, 6> face_seen{};
     int known = 0;
     bool dirty = false;
   };

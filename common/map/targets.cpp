@@ -112,11 +112,16 @@ void Targets::Impl::take_looks() {
   for (const Look& look : looks) {
     const FieldOfView fov = search.reliable(true);
     std::vector<VoxelKey> seen;
+    std::vector<FaceSet> faces;
     cells.near(cells.owed(), look.sensor.p, fov.range_m, [&](VoxelKey k) {
       if (!fov.contains(look.sensor, look.pitch_rad, map.center(k))) return;
-      if (sighted(map, surface_aim(map, k), look.sensor.p, fov.range_m)) seen.push_back(k);
+      const FaceSet in_view =
+          faces_sighted(map, surface_aim(map, cells, k), look.sensor.p, fov.range_m);
+      if (in_view == 0) return;
+      seen.push_back(k);
+      faces.push_back(in_view);
     });
-    for (const VoxelKey& k : seen) cells.count_look(k);
+    for (std::size_t i = 0; i < seen.size(); ++i) cells.count_look(seen[i], faces[i]);
     visit(owed, look.sensor, seen);
   }
   past_looks.insert(past_looks.end(), looks.begin(), looks.end());
@@ -129,13 +134,15 @@ void Targets::Impl::credit_past_looks() {
   const FieldOfView fov = search.reliable(true);
   for (const VoxelKey& k : cells.take_new_surface()) {
     const Vec3 p = map.center(k);
-    std::optional<Aim> aim;
-    for (std::size_t i = past_looks.size(); i-- > 0 && cells.looks_owed(k) > 0;) {
+    Aim aim = surface_aim(map, cells, k);
+    for (std::size_t i = past_looks.size(); i-- > 0 && !aim.spots.empty();) {
       const Look& look = past_looks[i];
       if ((p - look.sensor.p).squaredNorm() > fov.range_m * fov.range_m) continue;
       if (!fov.contains(look.sensor, look.pitch_rad, p)) continue;
-      if (!aim) aim = surface_aim(map, k);
-      if (sighted(map, *aim, look.sensor.p, fov.range_m)) cells.count_look(k);
+      const FaceSet in_view = faces_sighted(map, aim, look.sensor.p, fov.range_m);
+      if (in_view == 0) continue;
+      cells.count_look(k, in_view);
+      aim = surface_aim(map, cells, k);
     }
   }
 }

@@ -46,12 +46,9 @@ struct TargetConfig {
   double pitch_rad = 0;
   double min_cluster_m2 = 0.5;
   double max_cluster_extent_m = 2.5;
-  /// How often every exposed *face* of a surface voxel (towards a free 6-neighbour) must have been
-  /// in view of the detector, from its own side: a thin eave has two sides in one voxel, and a look
-  /// from above says nothing about what hangs below it. (Counted per voxel, four features of pagoda
-  /// --seed 1 under its eaves stay unsighted.)
-  std::uint32_t looks =
-      3;  ///< how often every surface voxel must have been in view of the detector at a look
+  /// How often every surface voxel must have been in view of the detector at a look; every open
+  /// face of it (towards a free 6-neighbour) once, from its own side.
+  std::uint32_t looks = 2;
   double look_range_m = 4.5;  ///< within the sighting range, with a margin
 };
 

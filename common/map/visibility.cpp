@@ -8,8 +8,7 @@
 namespace muster::map {
 namespace {
 
-constexpr double kLeastFacing = 0.15;  // cosine of the most grazing view that counts
-constexpr std::size_t kAims = 14;      // cells of a cluster that stand for all of it
+constexpr std::size_t kAims = 14;  // cells of a cluster that stand for all of it
 constexpr int kBearings = 12;
 constexpr double kDistancesM[] = {0.8, 1.5, 2.4, 3.5};
 constexpr double kSlopes[] = {0, 0.3, -0.3};  // height over distance
@@ -18,8 +17,11 @@ constexpr double kGoodShare = 0.6;  // of the best score: among these, what else
 constexpr std::size_t kFinalists = 4;
 constexpr double kAvoidM = 0.5;
 
-double facing(const Aim::Spot& s, const Vec3& eye) {
-  return s.normal.isZero() ? 1 : (eye - s.at).normalized().dot(s.normal);
+bool shows(const VoxelMap& map, const Aim::Spot& s, const Vec3& eye, double range_m) {
+  const Vec3 way = eye - s.at;
+  if (way.squaredNorm() > range_m * range_m) return false;
+  if (s.face >= 0 && way.normalized().dot(face_normal(s.face)) <= kLeastFacing) return false;
+  return map.line_of_sight(eye, s.at, false);
 }
 
 }  // namespace
@@ -28,27 +30,33 @@ Aim frontier_aim(const VoxelMap& map, const RegionCells& cells, VoxelKey k) {
   Aim aim{k, {}};
   for (const VoxelKey& d : kFaces) {
     const VoxelKey u{k.x + d.x, k.y + d.y, k.z + d.z};
-    if (cells.unknown_in_box(u)) aim.spots.push_back({map.center(u), Vec3::Zero()});
+    if (cells.unknown_in_box(u)) aim.spots.push_back({map.center(u), -1});
   }
   return aim;
 }
 
-Aim surface_aim(const VoxelMap& map, VoxelKey k) {
+Aim surface_aim(const VoxelMap& map, const RegionCells& cells, VoxelKey k) {
   Aim aim{k, {}};
-  for (const VoxelKey& d : kFaces) {
-    const VoxelKey n{k.x + d.x, k.y + d.y, k.z + d.z};
-    const Vec3 normal(d.x, d.y, d.z);
-    if (map.at(n) == Voxel::kFree)
-      aim.spots.push_back({map.center(k) + 0.55 * map.config().resolution_m * normal, normal});
+  const FaceSet owed = cells.owed_faces(k);
+  for (int face = 0; face < 6; ++face) {
+    if ((owed >> face & 1) == 0) continue;
+    const Vec3 off = 0.55 * map.config().resolution_m * face_normal(face);
+    aim.spots.push_back({map.center(k) + off, face});
   }
   return aim;
 }
 
 bool sighted(const VoxelMap& map, const Aim& aim, const Vec3& eye, double range_m) {
-  return std::ranges::any_of(aim.spots, [&](const Aim::Spot& s) {
-    return (s.at - eye).squaredNorm() <= range_m * range_m && facing(s, eye) > kLeastFacing &&
-           map.line_of_sight(eye, s.at, false);
-  });
+  return std::ranges::any_of(aim.spots,
+                             [&](const Aim::Spot& s) { return shows(map, s, eye, range_m); });
+}
+
+FaceSet faces_sighted(const VoxelMap& map, const Aim& aim, const Vec3& eye, double range_m) {
+  FaceSet faces = 0;
+  for (const Aim::Spot& s : aim.spots) {
+    if (shows(map, s, eye, range_m)) faces = static_cast<FaceSet>(faces | 1u << s.face);
+  }
+  return faces;
 }
 
 ViewpointSearch::ViewpointSearch(const VoxelMap& map, RegionCells& cells,
@@ -69,7 +77,8 @@ std::vector<Aim> ViewpointSearch::aims(const Cluster& cluster) const {
   std::vector<Aim> result;
   for (std::size_t i = 0; i < take; ++i) {
     const VoxelKey k = (*cluster.cells)[i * n / take];
-    result.push_back(cluster.surface ? surface_aim(map_, k) : frontier_aim(map_, cells_, k));
+    result.push_back(cluster.surface ? surface_aim(map_, cells_, k)
+                                     : frontier_aim(map_, cells_, k));
   }
   return result;
 }
@@ -129,8 +138,8 @@ double ViewpointSearch::area_in_view(const Pose& pose, bool surface) const {
   int n = 0, seen = 0;
   cells_.near(surface ? cells_.owed() : cells_.frontier(), pose.p, fov.range_m, [&](VoxelKey k) {
     if (n++ % kStride != 0 || !fov.contains(pose, config_.pitch_rad, map_.center(k))) return;
-    seen += sighted(map_, surface ? surface_aim(map_, k) : frontier_aim(map_, cells_, k), pose.p,
-                    fov.range_m);
+    seen += sighted(map_, surface ? surface_aim(map_, cells_, k) : frontier_aim(map_, cells_, k),
+                    pose.p, fov.range_m);
   });
   return seen * kStride * cell_m2;
 }

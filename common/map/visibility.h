@@ -10,20 +10,23 @@
 namespace muster::map {
 
 /// A voxel and the spots that must be in view for it to count as seen: for a frontier the unknown
-/// voxels beside it, for a surface the spots just before its free faces.
+/// voxels beside it, for a surface the spots just before its owed faces.
 struct Aim {
   VoxelKey cell;
   struct Spot {
-    Vec3 at, normal;  ///< normal zero: from any side
+    Vec3 at;
+    int face;  ///< index of kFaces; −1: from any side
   };
   std::vector<Spot> spots;
 };
 Aim frontier_aim(const VoxelMap& map, const RegionCells& cells, VoxelKey frontier);
-Aim surface_aim(const VoxelMap& map, VoxelKey surface);
+Aim surface_aim(const VoxelMap& map, const RegionCells& cells, VoxelKey surface);
 
 /// Can the aim be seen from `eye`, at any heading: range and line of sight through known free
 /// voxels?
 bool sighted(const VoxelMap& map, const Aim& aim, const Vec3& eye, double range_m);
+/// Which faces of a surface's aim can be.
+FaceSet faces_sighted(const VoxelMap& map, const Aim& aim, const Vec3& eye, double range_m);
 
 /// Poses that see a cluster, found by trying a fixed pattern of bearings, heights and distances
 /// around it.

@@ -120,10 +120,12 @@ TEST_CASE(
     return bit(marks_of(cells.owed(), cells, block_of(k)), local_index(k));
   };
   REQUIRE(is_owed(wall));
-  cells.count_look(wall);
+  const FaceSet faces = cells.owed_faces(wall);
+  REQUIRE(faces != 0);
+  cells.count_look(wall, faces);
   cells.settle();
   CHECK(is_owed(wall));
-  cells.count_look(wall);
+  cells.count_look(wall, faces);
   cells.settle();
   CHECK_FALSE(is_owed(wall));
   CHECK_FALSE(is_owed({wall.x - 1, wall.y, wall.z}));
