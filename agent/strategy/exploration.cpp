@@ -28,9 +28,7 @@ constexpr std::size_t kLookedInto = 12;  // viewpoints of clusters, per decision
 constexpr double kUsedUp = 0.35;         // of its value at choice: on to the next
 constexpr double kComparable = 0.9;      // of the best rate: these are put in order
 constexpr double kSamePlace_m = 0.5;     // areas this near are one, asked for again
-constexpr std::uint64_t kLeastPatience = 60;  // looks
-constexpr double kPatienceShare = 0.5;
-constexpr std::uint32_t kNearest = 7;  // FIELD-NOTES: FF3E exact for at most 7 nearest clusters
+constexpr std::uint32_t kNearest = 7;    // FIELD-NOTES: FF3E exact for at most 7 nearest clusters
 
 map::TargetConfig target_config(const mission::Mission& mission, const mission::Vehicle& vehicle) {
   map::TargetConfig c;
@@ -65,7 +63,7 @@ void Exploration::on_look(const robot::Knowledge& k, const mission::Sightings& s
 
 ViewPrice Exploration::price() const {
   ViewPrice p;
-  if (enough_looks_) p.owed_weight = 0;
+  if (patience_.exhausted()) p.owed_weight = 0;
   p.look_period_s = look_period_s_;
   p.next_look = last_look_ + Duration::from_s(look_period_s_);
   return p;
@@ -173,7 +171,7 @@ std::vector<Exploration::Goal> Exploration::candidates(robot::Knowledge& k) {
   };
   std::vector<Rough> rough;
   for (const map::Viewpoint& v : targets_.viewpoints()) {
-    if (barred(v.pose, now) || (v.surface && enough_looks_)) continue;
+    if (barred(v.pose, now) || (v.surface && patience_.exhausted())) continue;
     const double value = kLeftover + (v.surface ? p.owed_weight : kDepth_m) * v.gain;
     const double way_s =
         travel_time_s((v.pose.p - here).norm(), v.pose.p - here, k.limits()) + kStop_s;
@@ -256,9 +254,8 @@ bool Exploration::choose(robot::Knowledge& k, double budget_s, const Vec3& meeti
   return true;
 }
 
-/// When looks have found no new area for half as long as all the looks before, the surfaces that
-/// are left will hardly show one: they are the voxels that are hard to see, or only noise.
-void Exploration::weigh_looks(const robot::Knowledge& k) {
+/// The places of the region's areas; one that was asked for again is one place.
+std::size_t Exploration::places_found(const robot::Knowledge& k) const {
   std::vector<Vec3> places;
   for (const auto& [ref, known] : k.areas()) {
     const Vec3& p = known.area.position;
@@ -266,11 +263,7 @@ void Exploration::weigh_looks(const robot::Knowledge& k) {
         std::ranges::any_of(places, [&](const Vec3& q) { return (p - q).norm() < kSamePlace_m; });
     if (known.area.region == region_ && !asked_again) places.push_back(p);
   }
-  if (places.size() > places_) news_ = looks_;
-  places_ = places.size();
-  const auto patience = std::max(
-      kLeastPatience, static_cast<std::uint64_t>(kPatienceShare * static_cast<double>(news_)));
-  enough_looks_ = looks_ - news_ > patience;
+  return places.size();
 }
 
 std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot::Progress& progress,
@@ -286,7 +279,7 @@ std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot:
     }
     if (!worth_keeping(k, progress)) {
       goal_.reset();
-      weigh_looks(k);
+      patience_.weigh(looks_, places_found(k));
       const bool due = scans_ != refreshed_scans_ && now >= refresh_again_;
       if (due) {
         refresh(k, false, planning);
@@ -298,7 +291,7 @@ std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot:
         refresh(k, true, planning);
         found = choose(k, budget_s, meeting, planning);
         entered_ = entered_ || known_m3(k) > 1.0;
-        const bool over = targets_.done() || (enough_looks_ && targets_.frontier_m2() == 0);
+        const bool over = targets_.done() || (patience_.exhausted() && targets_.frontier_m2() == 0);
         if (!found && entered_ && over) done_ = ++empty_rounds_ >= 2;
       }
       if (found) empty_rounds_ = 0;

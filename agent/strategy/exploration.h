@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "agent/strategy/look_patience.h"
 #include "agent/strategy/vantages.h"
 #include "common/map/targets.h"
 #include "common/robot/knowledge.h"
@@ -47,7 +48,7 @@ class Exploration {
   ViewPrice price() const;
   bool worth_keeping(const robot::Knowledge& k, const robot::Progress& progress);
   bool used_up() const;
-  void weigh_looks(const robot::Knowledge& k);
+  std::size_t places_found(const robot::Knowledge& k) const;
   void refresh(robot::Knowledge& k, bool thorough, std::vector<mission::PlanningTime>& planning);
   std::vector<Goal> candidates(robot::Knowledge& k);
   bool choose(robot::Knowledge& k, double budget_s, const Vec3& meeting,
@@ -70,9 +71,7 @@ class Exploration {
   bool entered_ = false;  // something of the box is known
   bool done_ = false;
   int empty_rounds_ = 0;
-  std::size_t places_ = 0;     // of areas found
-  std::uint64_t news_ = 0;     // looks when the last was
-  bool enough_looks_ = false;  // more would hardly find another
+  LookPatience patience_;
   struct Barred {
     Pose pose;
     double off_rad;  // headings within this of the pose's

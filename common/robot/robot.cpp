@@ -135,8 +135,7 @@ void Robot::take_scan(const mission::Scan& scan) {
   sweep.range_mm = scan.range_mm;
   // Where the body is there is nothing else, whatever a teammate who saw it hover took it for: its
   // own place, once occupied, would wall it in.
-  const mission::Vehicle& vehicle = knowledge_.config().vehicle;
-  if (!vehicle.ground) knowledge_.map().insert_free_ball(scan.sensor.p, vehicle.radius_m);
+  knowledge_.map().insert_free_ball(scan.sensor.p, knowledge_.config().vehicle.radius_m);
   const std::vector<Vec3> unexplained = knowledge_.map().integrate(sweep, mates).unexplained;
   executive_.on_seen(knowledge_.map(), sweep, unexplained);
   executive_.on_unexplained(knowledge_.now(), unexplained);
