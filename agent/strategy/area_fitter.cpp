@@ -31,6 +31,13 @@ bool concerns(const mission::Mission& mission, RegionId region, const Vec3& p) {
                       [&](const Box& b) { return b.contains(p); });
 }
 
+/// Somebody else has made an area of it.
+bool taken_up(const robot::Knowledge& k, const Vec3& p) {
+  return std::any_of(k.areas().begin(), k.areas().end(), [&](const auto& a) {
+    return a.first.author != k.self() && (a.second.area.position - p).norm() < kSameArea_m;
+  });
+}
+
 /// Near a finding, or where nothing was found.
 bool beside_known(const robot::Knowledge& k, const Vec3& p) {
   const auto near = [&](const Vec3& q) { return (p - q).norm() < kNear_m; };
@@ -64,13 +71,7 @@ void AreaFitter::take(robot::Knowledge& k, const mission::Sightings& sightings, 
   region_ = region;
   std::vector<mission::Sighting> own;
   for (const mission::Sighting& s : sightings.seen) {
-    if (!concerns(k.mission(), region, s.position)) continue;
-    // Somebody else's area is not fitted again.
-    const bool theirs = std::any_of(k.areas().begin(), k.areas().end(), [&](const auto& a) {
-      return a.first.author != k.self() &&
-             (a.second.area.position - s.position).norm() < kSameArea_m;
-    });
-    if (!theirs) own.push_back(s);
+    if (!taken_up(k, s.position)) own.push_back(s);
   }
   log_.renew(k);
   for (const Seen& seen : log_.take(k, sightings.sensor, own)) {
@@ -162,6 +163,10 @@ void AreaFitter::tell_apart(robot::Knowledge& k) {
   }
 }
 
+bool AreaFitter::concerns_us(const robot::Knowledge& k, const Fit& fit) const {
+  return concerns(k.mission(), region_, fit.mean());
+}
+
 /// What has been explained meanwhile is forgotten. What is not after a while is asked for: surfaces
 /// that are hard to see are sighted once, and a look settles it.
 void AreaFitter::settle_doubts(robot::Knowledge& k, bool over) {
@@ -169,9 +174,10 @@ void AreaFitter::settle_doubts(robot::Knowledge& k, bool over) {
   for (std::size_t i = 0; i < fits_.size(); ++i) {
     if (fits_[i].ref) continue;
     std::erase_if(fits_[i].seen, [&](const Seen& seen) { return log_.explained(seen); });
-    if (fits_[i].seen.empty())
+    const bool aged = !fits_[i].seen.empty() && (k.now() - fits_[i].since).s() > kDoubt_s;
+    if (fits_[i].seen.empty() || taken_up(k, fits_[i].mean()))
       settled.push_back(i);
-    else if (over || (k.now() - fits_[i].since).s() > kDoubt_s)
+    else if (over || (aged && (explored_ || concerns_us(k, fits_[i]))))
       publish(k, fits_[i]);
   }
   for (auto i = settled.rbegin(); i != settled.rend(); ++i)
@@ -224,7 +230,7 @@ void AreaFitter::add(robot::Knowledge& k, const Seen& seen, RegionId region) {
   if (!fit) fit = &begin(k, seen, region);
   fit->seen.push_back(seen);
   if (!fit->ref) {
-    if (sure || fit->seen.size() >= kSure) publish(k, *fit);
+    if (concerns_us(k, *fit) && (sure || fit->seen.size() >= kSure)) publish(k, *fit);
     return;
   }
   const auto count = static_cast<std::uint32_t>(fit->seen.size());

@@ -29,8 +29,9 @@ namespace muster::agent {
 /// better than one are shared out between two areas.
 class AreaFitter {
  public:
-  /// Only sightings inside `region`'s box (with a margin), or outside every box, are this
-  /// explorer's business: what lies in another box is owed by whoever explores that one.
+  /// Sightings inside `region`'s box (with a margin), or outside every box, are this explorer's
+  /// business. What lies in another box is owed by whoever explores that one: such a sighting is
+  /// kept in mind, and becomes an area only when `region` is explored and nothing has explained it.
   void take(robot::Knowledge& knowledge, const mission::Sightings& sightings, RegionId region);
   /// Holds the areas whose results came in since the last call against their sightings; cheap when
   /// none did. `explored`: no more looks are to come that could settle a doubt.
@@ -56,6 +57,7 @@ class AreaFitter {
   Fit* open_fit(const robot::Knowledge& knowledge, const Seen& seen);
   bool doubtful(const robot::Knowledge& knowledge, const Seen& seen) const;
   bool asked_enough(const robot::Knowledge& knowledge, const Vec3& p) const;
+  bool concerns_us(const robot::Knowledge& knowledge, const Fit& fit) const;
   std::vector<Seen> unexplained(const robot::Knowledge& knowledge, const Fit& fit) const;
   void tell_apart(robot::Knowledge& knowledge);
   void settle_doubts(robot::Knowledge& knowledge, bool explored);

@@ -63,7 +63,6 @@ void Exploration::on_look(const robot::Knowledge& k, const mission::Sightings& s
 
 ViewPrice Exploration::price() const {
   ViewPrice p;
-  if (patience_.exhausted()) p.owed_weight = 0;
   p.look_period_s = look_period_s_;
   p.next_look = last_look_ + Duration::from_s(look_period_s_);
   return p;
@@ -171,7 +170,7 @@ std::vector<Exploration::Goal> Exploration::candidates(robot::Knowledge& k) {
   };
   std::vector<Rough> rough;
   for (const map::Viewpoint& v : targets_.viewpoints()) {
-    if (barred(v.pose, now) || (v.surface && patience_.exhausted())) continue;
+    if (barred(v.pose, now)) continue;
     const double value = kLeftover + (v.surface ? p.owed_weight : kDepth_m) * v.gain;
     const double way_s =
         travel_time_s((v.pose.p - here).norm(), v.pose.p - here, k.limits()) + kStop_s;
@@ -280,6 +279,7 @@ std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot:
     if (!worth_keeping(k, progress)) {
       goal_.reset();
       patience_.weigh(looks_, places_found(k));
+      targets_.ask_for_sides(!patience_.exhausted());
       const bool due = scans_ != refreshed_scans_ && now >= refresh_again_;
       if (due) {
         refresh(k, false, planning);
@@ -291,8 +291,7 @@ std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot:
         refresh(k, true, planning);
         found = choose(k, budget_s, meeting, planning);
         entered_ = entered_ || known_m3(k) > 1.0;
-        const bool over = targets_.done() || (patience_.exhausted() && targets_.frontier_m2() == 0);
-        if (!found && entered_ && over) done_ = ++empty_rounds_ >= 2;
+        if (!found && entered_ && targets_.done()) done_ = ++empty_rounds_ >= 2;
       }
       if (found) empty_rounds_ = 0;
     }

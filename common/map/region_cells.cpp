@@ -156,7 +156,7 @@ void RegionCells::recompute(std::size_t index) {
   for (std::size_t w = 0; w < 64; ++w) {
     frontier[w] = free[w] & slot.inside[w] & beside_unknown[w] & ~slot.given_up[w];
     const std::uint64_t rarely = ~slot.seen[w] & ~credit[w];
-    const std::uint64_t sides = face_owed[w] | (level_owed[w] & lateral[w]);
+    const std::uint64_t sides = sides_ ? face_owed[w] | (level_owed[w] & lateral[w]) : 0;
     owed[w] = view.occupied[w] & slot.high_enough[w] & beside_free[w] & (rarely | sides);
   }
   if (looks_ > 0) {
@@ -169,6 +169,11 @@ void RegionCells::recompute(std::size_t index) {
   }
   frontier_.set(index, frontier);
   owed_.set(index, looks_ == 0 ? kNothing : owed);
+}
+
+void RegionCells::ask_for_sides(bool ask) {
+  if (std::exchange(sides_, ask) == ask) return;
+  for (Slot& slot : slots_) slot.dirty = true;
 }
 
 void RegionCells::looked_in_vain(VoxelKey k) {
@@ -195,7 +200,7 @@ FaceSet RegionCells::owed_faces(VoxelKey k) const {
     if (!bit(slot.face_seen[static_cast<std::size_t>(face)], at)) unseen |= one;
   }
   if (rarely) return open;
-  return lateral != 0 ? unseen : 0;
+  return sides_ && lateral != 0 ? unseen : 0;
 }
 
 bool RegionCells::owed_from(VoxelKey k, const Vec3& eye) const {

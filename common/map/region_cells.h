@@ -48,6 +48,8 @@ class RegionCells {
     const std::size_t i = index_of(block_of(k));
     return i != kNone && bit(slots_[i].unknown, local_index(k));
   }
+  /// Are faces owed looks of their own? True at first. Takes effect with `settle`.
+  void ask_for_sides(bool ask);
   /// The faces from whose side this surface voxel is still owed a look.
   FaceSet owed_faces(VoxelKey k) const;
   /// A look from `eye` would show one of them, if nothing is in between.
@@ -105,6 +107,7 @@ class RegionCells {
 
   const VoxelMap& map_;
   std::uint32_t looks_;
+  bool sides_ = true;
   std::vector<Slot> slots_;
   BlockKey first_;  ///< slots are in order of x, y, z from here
   int nx_ = 0, ny_ = 0, nz_ = 0;

@@ -330,6 +330,8 @@ void Targets::looked(const Pose& sensor, double pitch_rad) {
 }
 void Targets::scanned(const Pose& sensor) { impl_->scans.push_back(sensor); }
 
+void Targets::ask_for_sides(bool ask) { impl_->cells.ask_for_sides(ask); }
+
 void Targets::settle() {
   Impl& t = *impl_;
   t.cells.update();

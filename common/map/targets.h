@@ -46,8 +46,7 @@ struct TargetConfig {
   double pitch_rad = 0;
   double min_cluster_m2 = 0.5;
   double max_cluster_extent_m = 2.5;
-  /// How often every surface voxel must have been in view of the detector at a look; every open
-  /// face of it (towards a free 6-neighbour) once, from its own side.
+  /// How often every surface voxel must have been in view of the detector at a look.
   std::uint32_t looks = 2;
   double look_range_m = 4.5;  ///< within the sighting range, with a margin
 };
@@ -74,6 +73,10 @@ class Targets {
   /// Brings clusters and viewpoints up to date with the map. `reachable(p)`: the body can get to p
   /// (cheap; called for candidates only).
   void update(const std::function<bool(const Vec3&)>& reachable);
+
+  /// Besides, every open face of a surface voxel (towards a free 6-neighbour) is owed a look from
+  /// its own side. True at first.
+  void ask_for_sides(bool ask);
 
   /// Takes in what the last scans and looks changed, without clusters and viewpoints: enough for
   /// `panorama` and `worth`, and far cheaper than `update`.

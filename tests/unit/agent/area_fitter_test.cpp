@@ -92,6 +92,28 @@ TEST_CASE("what was seen but once beside something known is asked for after a wh
   }
 }
 
+TEST_CASE("what lies in another box is left to who explores that one, but not forgotten") {
+  mission::Mission m = robot::small_mission();
+  m.boxes.push_back(Box::from_corners({10, -4, 0.3}, {14, 4, 6}));
+  const Vec3 beyond(11.2, 0, 2), from(9, -3, 2);
+  for (const bool found_by_others : {false, true}) {
+    Knowledge k(m, RobotId{1}, 1);
+    AreaFitter fitter;
+    for (int i = 0; i < 3; ++i) fitter.take(k, look(from, {beyond}), kRegion);
+    k.begin(SimTime::from_s(100));
+    fitter.review(k, false);
+    CHECK(k.areas().empty());
+    if (found_by_others) {
+      Knowledge mate(m, RobotId{2}, 1);
+      mate.publish(store::RecordClass::kArea, 7, agent::area_at(beyond, from));
+      robot::pass(mate, k, store::RecordClass::kArea);
+    }
+    fitter.review(k, true);
+    CHECK(k.areas().size() == 1);
+    CHECK(k.areas().begin()->first.author == RobotId{found_by_others ? 2u : 1u});
+  }
+}
+
 TEST_CASE("two sightings near each other in one look are two features") {
   const mission::Mission m = robot::small_mission();
   Knowledge k(m, RobotId{1}, 1);

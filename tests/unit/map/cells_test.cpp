@@ -131,6 +131,33 @@ TEST_CASE(
   CHECK_FALSE(is_owed({wall.x - 1, wall.y, wall.z}));
 }
 
+TEST_CASE("a look from above leaves the sides of a surface owed, while sides are asked for") {
+  VoxelMap m(toy::config());
+  toy::see(m, kRoom, {{0, -1, 1.5}, 0});
+  toy::see(m, kRoom, {{-0.5, 0, 2.6}, 0.9});
+  RegionCells cells(m, kTurned, 1, 2.5);
+  cells.update();
+  // Voxels with a free one above and one beside, as at the edge of an eave.
+  VoxelKey edge;
+  FaceSet open = 0;
+  const auto sides = [](FaceSet faces) { return faces & 0b1111; };
+  cells.near(cells.owed(), Vec3::Zero(), 100, [&](VoxelKey k) {
+    const FaceSet faces = cells.owed_faces(k);
+    if (sides(faces) != 0 && sides(faces) != faces) edge = k, open = faces;
+  });
+  REQUIRE(open != 0);
+  const auto up = static_cast<FaceSet>(open & ~0b1111);
+  cells.count_look(edge, up);
+  cells.settle();
+  CHECK(cells.owed_faces(edge) == sides(open));
+  cells.ask_for_sides(false);
+  cells.settle();
+  CHECK(cells.owed_faces(edge) == 0);
+  cells.ask_for_sides(true);
+  cells.settle();
+  CHECK(cells.owed_faces(edge) == sides(open));
+}
+
 TEST_CASE("a frontier looked at in vain is given up") {
   VoxelMap m(toy::config());
   toy::see(m, kRoom, {{0, -1, 1.5}, 0});
