@@ -17,7 +17,7 @@ constexpr double kExchangeAtMost_s = 12;  // images still missing then go with t
 constexpr double kLeaveMargin_s = 4;
 constexpr double kDetour = 1.4;
 constexpr double kTellEvery_s = 5;
-constexpr double kTalkDistance_m = 3.5;  // well inside the radio's range
+constexpr double kRadioMargin_m = 1.5;  // nearer than the radio reaches: well in contact
 constexpr double kCollect_s = 30, kSoonest_s = 50;
 constexpr double kExploringApart_s = 150;  // between meetings with the station
 constexpr double kCornerInset_m = 0.6;
@@ -300,7 +300,7 @@ std::optional<robot::Intent> Slei3dExplorer::visit(robot::Knowledge& k,
     } else if (contact && visit_contact_since_ &&
                (k.now() - *visit_contact_since_).s() > kExchangeAtMost_s && k.talked(mate))
       visit_.reset();
-    else if (contact && apart_m < kTalkDistance_m) {
+    else if (contact && apart_m < k.mission().radio.range_m - kRadioMargin_m) {
       robot::Intent talk;
       talk.activity = mission::Activity::kMeeting;
       talk.with = mate;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/radio/path_loss.h"
 #include "common/robot/guardian.h"
 #include "common/robot/stopwatch.h"
 #include "common/route/allocate.h"
@@ -15,6 +16,7 @@ constexpr double kTourEvery_s = 2;
 constexpr double kParkEvery_s = 3;
 constexpr double kRadioMargin_m = 1.5;  // parked so much closer than the radio reaches
 constexpr double kNotTooClose_m = 1.2;
+constexpr double kUnheard_m = 50;   // of way, that being heard is worth
 constexpr int kRungsUntilLost = 4;  // two agreed rungs and two standing ones
 
 }  // namespace
@@ -112,8 +114,8 @@ std::optional<RobotId> Slei3dStation::next_partner(robot::Knowledge& k) {
   return ids[tour.order.front()];
 }
 
-/// A drivable spot within range and line of sight of the meeting place, as near to it as it has to
-/// be.
+/// A drivable spot from which the meeting place is well heard (the radio's forecast, by what is
+/// known of walls), as near as it can be.
 Vec3 Slei3dStation::parking_for(robot::Knowledge& k, const Vec3& place) {
   if (parking_ && (parking_->first - place).norm() < 0.1 && k.now() < parking_again_)
     return parking_->second;
@@ -131,8 +133,9 @@ Vec3 Slei3dStation::parking_for(robot::Knowledge& k, const Vec3& place) {
       const double a = i * std::numbers::pi / 8;
       const Vec3 p(place.x() + r * std::cos(a), place.y() + r * std::sin(a), ride_m);
       if (!k.map().traversable(p) || !k.paths().reached(p)) continue;
-      const double cost =
-          k.paths().flood_distance(p) + (k.map().line_of_sight(p, place, true) ? 0 : 50);
+      const int walls = k.map().line_of_sight(p, place, true) ? 0 : 1;
+      const double heard = radio::forecast(k.mission().radio, (p - place).norm(), walls);
+      const double cost = k.paths().flood_distance(p) + kUnheard_m * (1 - heard);
       if (cost < best_cost) best_cost = cost, best = p;
     }
   }
