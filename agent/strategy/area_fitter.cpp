@@ -31,13 +31,6 @@ bool concerns(const mission::Mission& mission, RegionId region, const Vec3& p) {
                       [&](const Box& b) { return b.contains(p); });
 }
 
-/// Somebody else has made an area of it.
-bool taken_up(const robot::Knowledge& k, const Vec3& p) {
-  return std::any_of(k.areas().begin(), k.areas().end(), [&](const auto& a) {
-    return a.first.author != k.self() && (a.second.area.position - p).norm() < kSameArea_m;
-  });
-}
-
 /// Near a finding, or where nothing was found.
 bool beside_known(const robot::Knowledge& k, const Vec3& p) {
   const auto near = [&](const Vec3& q) { return (p - q).norm() < kNear_m; };
@@ -77,6 +70,14 @@ void AreaFitter::take(robot::Knowledge& k, const mission::Sightings& sightings, 
   for (const Seen& seen : log_.take(k, sightings.sensor, own)) {
     if (!asked_enough(k, seen.sighting.position)) add(k, seen, region);
   }
+}
+
+/// Somebody else has made an area of it, or this explorer has, before it was started again.
+bool AreaFitter::taken_up(const robot::Knowledge& k, const Vec3& p) const {
+  return std::any_of(k.areas().begin(), k.areas().end(), [&](const auto& a) {
+    return (a.second.area.position - p).norm() < kSameArea_m &&
+           std::none_of(fits_.begin(), fits_.end(), [&](const Fit& f) { return f.ref == a.first; });
+  });
 }
 
 /// A false area close to a true one answers with the true one again and again; where several are

@@ -57,6 +57,7 @@ class AreaFitter {
   Fit* open_fit(const robot::Knowledge& knowledge, const Seen& seen);
   bool doubtful(const robot::Knowledge& knowledge, const Seen& seen) const;
   bool asked_enough(const robot::Knowledge& knowledge, const Vec3& p) const;
+  bool taken_up(const robot::Knowledge& knowledge, const Vec3& p) const;
   bool concerns_us(const robot::Knowledge& knowledge, const Fit& fit) const;
   std::vector<Seen> unexplained(const robot::Knowledge& knowledge, const Fit& fit) const;
   void tell_apart(robot::Knowledge& knowledge);

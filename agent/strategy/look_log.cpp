@@ -7,8 +7,10 @@
 namespace muster::agent {
 namespace {
 
-constexpr double kSameFeature_m =
-    0.6;                            // six sigma: one so far off may be of it, two are told apart
+// A sighting farther off is of something else: of one feature, one in a thousand is. At three sigma
+// it would be three in a hundred, and each is a spot at which an inspector looks many times in
+// vain.
+constexpr double kOfIt_sigmas = 4;
 constexpr double kNothing_m = 0.5;  // around where nothing was found, by the rule
 constexpr double kConcerned_m = 1.0;
 constexpr double kPlainCos = 0.5;    // directions this close can be of one surface, whatever it is
@@ -141,6 +143,7 @@ bool LookLog::shows(const robot::Knowledge& k, Feature& feature, const Vec3& tow
 }
 
 void LookLog::explain(const robot::Knowledge& k, Look& look) {
+  const double near_m = kOfIt_sigmas * k.mission().sensing.sighting_sigma_m;
   std::vector<std::tuple<double, std::size_t, FeatureId>> pairs;
   for (std::size_t i = 0; i < look.seen.size(); ++i) {
     Entry& e = look.seen[i];
@@ -152,7 +155,7 @@ void LookLog::explain(const robot::Knowledge& k, Look& look) {
     const Vec3 towards = (look.sensor.p - p).normalized();
     for (auto& [id, feature] : features_) {
       const double off_m = (feature.position - p).norm();
-      if (off_m < kSameFeature_m && e.other_than != id && shows(k, feature, towards))
+      if (off_m < near_m && e.other_than != id && shows(k, feature, towards))
         pairs.emplace_back(off_m, i, id);
     }
   }

@@ -35,7 +35,7 @@ void Subgroup::update(robot::Knowledge& k, RegionId region) {
       if (!k.mission().has(a.robot) || k.mission().robot(a.robot).role != mission::Role::kInspector)
         continue;
       if (a.leader == k.self())
-        mates_.try_emplace(a.robot, Mate{a.robot, k.now(), k.now(), {}});
+        mates_.try_emplace(a.robot, Mate{a.robot, k.now(), k.now(), 0, {}});
       else
         mates_.erase(a.robot);
     }
@@ -43,7 +43,7 @@ void Subgroup::update(robot::Knowledge& k, RegionId region) {
   for (auto& [id, mate] : mates_) {
     if (!k.in_contact(id)) continue;
     mate.seen = k.now();
-    mate.missed = mate.out_of_reach = 0;
+    mate.missed = mate.out_of_reach = mate.in_vain = 0;
     mate.not_before = k.now();
     mate.lost = false;
     if (!k.knows(id, store::RecordClass::kPlan, robot::plan_key(mission::PlanKind::kAllocation)))
@@ -218,7 +218,23 @@ std::optional<Subgroup::Visit> Subgroup::next_visit(const robot::Knowledge& k,
       best = Visit{id, place, at};
     }
   }
+  if (!best && !exploring && !open_.empty()) return search_for_lost(k);
   return best;
+}
+
+/// One that was not where it was expected may wait where its region begins or where it started:
+/// it did not hear that it changed groups, say.
+std::optional<Subgroup::Visit> Subgroup::search_for_lost(const robot::Knowledge& k) const {
+  const Mate* next = nullptr;
+  for (const auto& [id, mate] : mates_) {
+    if (!mate.lost || k.now() < mate.not_before) continue;
+    if (!next || mate.in_vain < next->in_vain) next = &mate;
+  }
+  if (!next) return std::nullopt;
+  const Vec3 places[] = {expected_place(k, next->id, k.now()),
+                         gathering_place(k.mission(), published_region_, next->id),
+                         k.mission().robot(next->id).start.p};
+  return Visit{next->id, places[next->in_vain % std::ssize(places)], k.now()};
 }
 
 double Subgroup::remaining_s(const robot::Knowledge& k) const {
@@ -239,9 +255,10 @@ double Subgroup::remaining_s(const robot::Knowledge& k) const {
 
 void Subgroup::missed(robot::Knowledge& k, RobotId id, bool arrived) {
   Mate& mate = mates_.at(id);
-  mate.not_before = k.now() + Duration::from_s(kAgainAfterMiss_s);
+  mate.not_before = k.now() + Duration::from_s(kAgainAfterMiss_s * (1 + mate.in_vain / 3));
+  ++mate.in_vain;
   ++(arrived ? mate.missed : mate.out_of_reach);
-  if (mate.missed < kMissesUntilLost && mate.out_of_reach < kNoWayUntilLost) return;
+  if (mate.lost || (mate.missed < kMissesUntilLost && mate.out_of_reach < kNoWayUntilLost)) return;
   mate.lost = true;
   mission::Status lost;
   lost.kind = mission::StatusKind::kLost;

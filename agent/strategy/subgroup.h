@@ -18,6 +18,7 @@ class Subgroup {
     RobotId id;
     SimTime seen;                  ///< last contact
     SimTime not_before;            ///< of the next visit, after one in vain
+    int in_vain = 0;               ///< visits in a row, lost or not
     std::optional<RegionId> told;  ///< the region of the newest allocation that it has heard
     int missed = 0;                ///< meetings in a row at which it was not there; 2: lost (S0.15)
     int out_of_reach = 0;          ///< visits in a row on which no way was found
@@ -41,7 +42,8 @@ class Subgroup {
 
   /// Whom to visit now; nullopt: nobody. While exploring only who would stand idle, and only when
   /// the work to hand over outweighs the way there and back (12); after it whoever holds results or
-  /// has not heard the newest allocation, as soon as it is through with its work.
+  /// has not heard the newest allocation, as soon as it is through with its work; and when nobody
+  /// is left to go to, but work is, those who are lost, wherever they may wait.
   std::optional<Visit> next_visit(const robot::Knowledge& k, bool exploring) const;
   /// Where `mate` is expected at `t`.
   Vec3 expected_place(const robot::Knowledge& k, RobotId mate, SimTime t) const;
@@ -61,6 +63,7 @@ class Subgroup {
   const std::map<RobotId, Mate>& mates() const { return mates_; }
 
  private:
+  std::optional<Visit> search_for_lost(const robot::Knowledge& k) const;
   /// Nothing of what I allocated concerns it that it has not heard.
   bool informed(RobotId mate) const;
   bool mine(const robot::Knowledge& k, const mission::AreaRef& ref, RegionId region) const;

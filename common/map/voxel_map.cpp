@@ -98,17 +98,30 @@ VoxelKey VoxelMap::body_key(const Vec3& p) const {
   return k;
 }
 
-void VoxelMap::insert_free_ball(const Vec3& center_m, double radius_m) {
-  const Vec3 reach = Vec3::Constant(radius_m);
-  const VoxelKey low = key(center_m - reach), high = key(center_m + reach);
+void VoxelMap::insert_free_ball(const Vec3& center, double radius_m) {
+  for (const VoxelKey& k : ball(center, radius_m)) impl_->own.insert_free(k);
+  impl_->blocks.commit();
+}
+
+void VoxelMap::disbelieve_others(const Vec3& center, double radius_m) {
+  for (const VoxelKey& k : ball(center, radius_m)) {
+    if (at(k) == Voxel::kOccupied) impl_->own.insert_free(k);
+  }
+  impl_->blocks.commit();
+}
+
+/// Voxels whose centres are within `radius_m` of `p`.
+std::vector<VoxelKey> VoxelMap::ball(const Vec3& p, double radius_m) const {
+  std::vector<VoxelKey> keys;
+  const VoxelKey low = key(p - Vec3::Constant(radius_m)), high = key(p + Vec3::Constant(radius_m));
   for (int z = low.z; z <= high.z; ++z) {
     for (int y = low.y; y <= high.y; ++y) {
       for (int x = low.x; x <= high.x; ++x) {
-        if ((center({x, y, z}) - center_m).norm() <= radius_m) impl_->own.insert_free({x, y, z});
+        if ((center({x, y, z}) - p).norm() <= radius_m) keys.push_back({x, y, z});
       }
     }
   }
-  impl_->blocks.commit();
+  return keys;
 }
 
 VoxelMap::Integrated VoxelMap::integrate(const RangeScan& scan, std::span<const Sphere> teammates) {

@@ -111,6 +111,8 @@ class VoxelMap {
 
   /// Known free around the start (RULES "What a robot may know").
   void insert_free_ball(const Vec3& center, double radius_m);
+  /// What others call occupied there and own scans have never measured is held free from now on.
+  void disbelieve_others(const Vec3& center, double radius_m);
 
   struct Integrated {
     std::uint32_t changed = 0;      ///< merged voxels whose state changed
@@ -180,6 +182,8 @@ class VoxelMap {
   void write_bt(const std::string& path) const;
 
  private:
+  std::vector<VoxelKey> ball(const Vec3& p, double radius_m) const;
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

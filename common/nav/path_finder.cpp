@@ -281,6 +281,24 @@ double PathFinder::flood_distance(const Vec3& p) const {
 
 bool PathFinder::reached(const Vec3& p) const { return std::isfinite(flood_distance(p)); }
 
+bool PathFinder::confined(const Vec3& start, double within_m) {
+  flood(start, 3 * within_m);
+  Impl& m = *impl_;
+  const Cell here = m.cell(start);
+  const int far = static_cast<int>(std::ceil(within_m / m.map.config().resolution_m));
+  const int up = m.map.config().ground ? 0 : far;
+  for (int dz = -up; dz <= up; ++dz) {
+    for (int dy = -far; dy <= far; ++dy) {
+      for (int dx = -far; dx <= far; ++dx) {
+        if (std::max({std::abs(dx), std::abs(dy), std::abs(dz)}) < far) continue;
+        const Cell c{here.x + dx, here.y + dy, here.z + dz};
+        if (m.grid.holds(c) && std::isfinite(m.flood.distance_m(c))) return false;
+      }
+    }
+  }
+  return true;
+}
+
 std::vector<double> PathFinder::distances(const Vec3& start, std::span<const Vec3> goals,
                                           double max_length_m) {
   flood(start, max_length_m);

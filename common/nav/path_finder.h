@@ -61,6 +61,8 @@ class PathFinder {
   void flood(const Vec3& start, double max_length_m = 1e9);
   bool reached(const Vec3& p) const;
   double flood_distance(const Vec3& p) const;  ///< infinity when not reached
+  /// Nothing traversable about `within_m` from `start` can be reached from there. Moves the flood.
+  bool confined(const Vec3& start, double within_m);
 
  private:
   struct Impl;

@@ -20,6 +20,8 @@ constexpr double kRetry_s = 0.5;
 constexpr double kNoWay_s =
     2.0;  // a search that failed costs most, and the map seldom changes the answer at once:
 constexpr double kNoWayLongest_s = 10;  // each failure doubles the wait, up to this
+constexpr double kWayOut_m = 1.0;
+constexpr double kOwnImage_m = 0.35;  // beyond the body: the noise of who mapped it, and a voxel
 // What is planned keeps more distance from teammates than what is flown on: no braking for a
 // centimetre.
 constexpr double kPlanMargin_m = 0.4, kFlyMargin_m = 0.25;
@@ -373,7 +375,7 @@ void Executive::plan(Knowledge& k, const Intent& intent, Commands& commands) {
     fly(k, *found.path, intent, commands);
     return;
   }
-  no_way(k.now());
+  no_way(k);
   // Parked teammates may be all that is in the way.
   RobotId by = kNoRobot;
   if (!around.empty() && k.paths().find(k.position(), intent.goal.p, tolerance_m).path) {
@@ -397,7 +399,7 @@ void Executive::plan_transit(Knowledge& k, const Intent& intent, Commands& comma
   if (!way.path) {
     if (avoid_.empty()) blocked(now, way.reason);
     avoid_.clear();
-    no_way(now);
+    no_way(k);
     return;
   }
   no_way_ = 0;
@@ -465,10 +467,13 @@ bool Executive::fly(Knowledge& k, const nav::Path& whole, const Intent& intent,
   return false;
 }
 
-/// The next search waits longer, the oftener there was no way.
-void Executive::no_way(SimTime now) {
-  plan_again_ = now + Duration::from_s(std::min(kNoWayLongest_s, kNoWay_s * (1 << no_way_)));
+/// The next search waits longer, the oftener there was no way. A robot came to where it is, so what
+/// keeps it there was put on the map since: by somebody who saw it stand and did not hear it.
+void Executive::no_way(Knowledge& k) {
+  plan_again_ = k.now() + Duration::from_s(std::min(kNoWayLongest_s, kNoWay_s * (1 << no_way_)));
   no_way_ = std::min(no_way_ + 1, 4);
+  if (no_way_ > 2 && resting(k.now()) && k.paths().confined(k.position(), kWayOut_m))
+    k.map().disbelieve_others(k.position(), radius_m_ + kOwnImage_m);
 }
 
 /// Something stands where a landing at `p` would come down: it rises from the ground around.

@@ -58,7 +58,7 @@ class Executive {
   void look_around(Knowledge& knowledge);
   void note_standing(SimTime now, const Teammate& mate);
   void make_room(Knowledge& knowledge, Commands& commands);
-  void no_way(SimTime now);
+  void no_way(Knowledge& k);
   bool taken(const map::VoxelMap& map, const Vec3& p) const;
   void find_landing(Knowledge& knowledge, const Intent& intent, Commands& commands);
   bool stay_safe(Knowledge& knowledge, Commands& commands);

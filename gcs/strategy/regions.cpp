@@ -93,6 +93,10 @@ bool Regions::report(robot::Knowledge& k, RobotId explorer) {
     back(k, group);
     return true;
   }
+  if (reinforce(k, group)) {
+    publish(k);
+    return true;
+  }
   const auto* health = k.health(explorer);
   if (!health || health->body.regions.empty() || group.released) return false;
   const mission::RegionProgress& p = health->body.regions.front();
@@ -127,7 +131,38 @@ void Regions::back(robot::Knowledge& k, Group& group) {
   group.lost = false;
   const RegionId held = std::exchange(group.held, kNoRegion);
   give(group, held == kNoRegion ? k.position() : k.mission().boxes[held.value].center, k);
+  reinforce(k, group);
   publish(k);
+}
+
+/// Without an inspector a region is never done: half of the largest group's, or of one that has
+/// nothing left to do.
+bool Regions::reinforce(const robot::Knowledge& k, Group& group) {
+  const auto crew = [&](const Group& g) {
+    std::vector<RobotId> there;
+    std::ranges::copy_if(g.inspectors, std::back_inserter(there), [&](RobotId id) {
+      const auto lost = k.declared_lost().find(id);
+      const auto* alive = k.health(id);
+      return lost == k.declared_lost().end() || (alive && alive->header.stamp > lost->second);
+    });
+    return there;
+  };
+  if (group.region == kNoRegion || !crew(group).empty()) return false;
+  Group* donor = nullptr;
+  std::vector<RobotId> most;
+  for (auto& [id, other] : groups_) {
+    std::vector<RobotId> there = crew(other);
+    if (there.size() <= most.size() || (there.size() < 2 && other.region != kNoRegion)) continue;
+    donor = &other;
+    most = std::move(there);
+  }
+  if (!donor) return false;
+  most.resize((most.size() + 1) / 2);
+  for (const RobotId inspector : most) {
+    std::erase(donor->inspectors, inspector);
+    group.inspectors.push_back(inspector);
+  }
+  return true;
 }
 
 void Regions::lost(robot::Knowledge& k, RobotId explorer) {

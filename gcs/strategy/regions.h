@@ -30,8 +30,8 @@ class Regions {
   /// After a restart: takes up the assignment that an earlier start had published. False when there
   /// is none.
   bool resume(robot::Knowledge& k);
-  /// `explorer` is here and says how far it is. Gives it the next region when its own is done. True
-  /// when the assignment changed.
+  /// `explorer` is here and says how far it is. Gives it the next region when its own is done, and
+  /// inspectors of the largest group when it has none. True when the assignment changed.
   bool report(robot::Knowledge& k, RobotId explorer);
   /// `explorer` was not seen at its standing rung: its box is pending again, its inspectors go to
   /// whoever comes next (S0.16); to itself, should it come after all.
@@ -46,6 +46,7 @@ class Regions {
  private:
   void give(Group& group, const Vec3& from, const robot::Knowledge& k);
   void back(robot::Knowledge& k, Group& group);
+  bool reinforce(const robot::Knowledge& k, Group& group);
   std::optional<RegionId> nearest_pending(const robot::Knowledge& k, const Vec3& from) const;
   void publish(robot::Knowledge& k) const;
 

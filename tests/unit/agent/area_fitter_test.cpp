@@ -114,6 +114,17 @@ TEST_CASE("what lies in another box is left to who explores that one, but not fo
   }
 }
 
+TEST_CASE("an explorer that is started again makes no second area of what it had found") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  AreaFitter before;
+  before.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
+  REQUIRE(k.areas().size() == 1);
+  AreaFitter after;
+  after.take(k, look({5, -3, 2}, {{5.1, 0, 2}, {7, 0, 2}}), kRegion);
+  CHECK(k.areas().size() == 2);
+}
+
 TEST_CASE("two sightings near each other in one look are two features") {
   const mission::Mission m = robot::small_mission();
   Knowledge k(m, RobotId{1}, 1);
@@ -197,21 +208,25 @@ TEST_CASE("what was inspected and explained is not fitted again") {
   CHECK(k.areas().size() == 2);
 }
 
-TEST_CASE("one sighting off a finding may be an outlier, two at one place are another feature") {
+TEST_CASE(
+    "a sighting within four sigma of a finding is of it, several there or one beyond are not") {
   const mission::Mission m = robot::small_mission();
-  Knowledge k(m, RobotId{1}, 1);
-  AreaFitter fitter;
-  fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
-  inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5, 0, 2}});
-  fitter.take(k, look({5, -3, 2}, {{5.45, 0, 2}}), kRegion);
-  k.begin(SimTime::from_s(100));
-  fitter.review(k, true);
-  CHECK(k.areas().size() == 1);
-  fitter.take(k, look({5, -3, 2}, {{5.5, 0.05, 2}}), kRegion);
-  k.begin(SimTime::from_s(120));
-  fitter.review(k, true);
-  REQUIRE(k.areas().size() == 2);
-  CHECK((k.areas().rbegin()->second.area.position - Vec3(5.475, 0.025, 2)).norm() < 0.01);
+  for (const bool beyond : {false, true}) {
+    Knowledge k(m, RobotId{1}, 1);
+    AreaFitter fitter;
+    fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
+    inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5, 0, 2}});
+    fitter.take(k, look({5, -3, 2}, {{beyond ? 5.42 : 5.38, 0, 2}}), kRegion);
+    k.begin(SimTime::from_s(100));
+    fitter.review(k, true);
+    CHECK(k.areas().size() == (beyond ? 2 : 1));
+    if (beyond) continue;
+    for (int i = 0; i < 5; ++i) fitter.take(k, look({5, -3, 2}, {{5.38, 0.01 * i, 2}}), kRegion);
+    k.begin(SimTime::from_s(120));
+    fitter.review(k, true);
+    REQUIRE(k.areas().size() == 2);
+    CHECK((k.areas().rbegin()->second.area.position - Vec3(5.38, 0.02, 2)).norm() < 0.02);
+  }
 }
 
 TEST_CASE("two sightings of one look near one known feature are two, though both are near it") {

@@ -136,6 +136,42 @@ TEST_CASE("missed twice an inspector is lost, its areas are open again; heard ag
   CHECK_FALSE(g.subgroup.mates().at(RobotId{2}).lost);
 }
 
+TEST_CASE(
+    "inspectors that are lost are searched for when work is left and nobody else to give it to") {
+  Group g;
+  g.find({6, 0, 2});
+  const auto lose = [&](RobotId id) {
+    for (int i = 0; i < 2; ++i) g.subgroup.missed(g.explorer, id, true);
+  };
+  g.think(false);
+  lose(RobotId{2});
+  g.time(100);
+  g.think(false);
+  REQUIRE(g.subgroup.next_visit(g.explorer, false));
+  CHECK(g.subgroup.next_visit(g.explorer, false)->mate == RobotId{3});
+  lose(RobotId{3});
+  g.think(false);
+
+  std::set<RobotId> visited;
+  std::vector<Vec3> places;
+  for (int i = 0; i < 6; ++i) {
+    g.time(1000 * (i + 1));
+    g.think(false);
+    CHECK_FALSE(g.subgroup.next_visit(g.explorer, true));
+    const auto visit = g.subgroup.next_visit(g.explorer, false);
+    REQUIRE(visit);
+    visited.insert(visit->mate);
+    if (visit->mate == RobotId{2}) places.push_back(visit->place);
+    g.subgroup.missed(g.explorer, visit->mate, true);
+  }
+  CHECK(visited == std::set{RobotId{2}, RobotId{3}});
+  const auto tried = [&](const Vec3& p) {
+    return std::ranges::any_of(places, [&](const Vec3& q) { return q.isApprox(p); });
+  };
+  CHECK(tried(gathering_place(g.mission, RegionId{0}, RobotId{2})));
+  CHECK(tried(g.mission.robot(RobotId{2}).start.p));
+}
+
 TEST_CASE("an inspector is expected where its route ends, and in the end where it started") {
   Group g;
   mission::Plan route;

@@ -46,6 +46,35 @@ TEST_CASE("an explorer that was given up and comes after all goes on with its re
   CHECK_FALSE(s.regions.groups().at(kExplorer).released);
 }
 
+TEST_CASE("an explorer whose inspectors went to others while it was given up gets some again") {
+  mission::Mission mission = robot::small_mission();
+  mission.boxes = {Box::from_corners({2, -4, 0.3}, {6, 4, 6}),
+                   Box::from_corners({6, -4, 0.3}, {10, 4, 6})};
+  const auto add = [&](mission::Role role, std::uint32_t id) {
+    mission::RobotConfig r = mission.fleet[role == mission::Role::kExplorer ? 1 : 2];
+    r.id = RobotId{id};
+    mission.fleet.push_back(r);
+  };
+  add(mission::Role::kExplorer, 3);
+  for (std::uint32_t id = 4; id <= 6; ++id) add(mission::Role::kInspector, id);
+  robot::Knowledge station(mission, RobotId{0}, 1);
+  Regions regions(mission);
+  regions.assign_all(station);
+  const auto crew = [&](std::uint32_t explorer) {
+    return regions.groups().at(RobotId{explorer}).inspectors.size();
+  };
+  REQUIRE(crew(1) == 2);
+  regions.lost(station, RobotId{1});
+  regions.lost(station, RobotId{3});
+  REQUIRE(regions.report(station, RobotId{3}));  // comes first and gets all
+  REQUIRE(crew(3) == 4);
+  REQUIRE(regions.report(station, RobotId{1}));
+  CHECK(crew(1) == 2);
+  CHECK(crew(3) == 2);
+  CHECK(regions.groups().at(RobotId{1}).region != kNoRegion);
+  CHECK_FALSE(regions.report(station, RobotId{3}));
+}
+
 TEST_CASE("a station that starts again takes up its assignment, and what is done stays done") {
   mission::Mission mission = robot::small_mission();
   mission.boxes = {Box::from_corners({2, -4, 0.3}, {6, 4, 6}),
