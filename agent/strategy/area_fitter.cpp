@@ -245,7 +245,7 @@ void AreaFitter::add(robot::Knowledge& k, const Seen& seen, RegionId region) {
 Pose AreaFitter::squarest(const robot::Knowledge& k, const Fit& fit) {
   if (fit.seen.size() == 1) return fit.seen.front().sensor;
   const SurfaceBelief belief = belief_at(k, fit.mean(), fit.towards(), 0.1);
-  const Seen* best = nullptr;
+  const Seen* best = &fit.seen.front();
   double most = -1;
   for (const Seen& s : fit.seen) {
     const double faces = belief.faces(s.towards);

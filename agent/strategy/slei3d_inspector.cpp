@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/core/log.h"
+#include "common/radio/pace.h"
 #include "common/robot/guardian.h"
 #include "common/robot/knowledge.h"
 #include "common/robot/stopwatch.h"
@@ -28,7 +29,8 @@ constexpr double kRetryArea_s = 12;  // the map grows meanwhile
 constexpr double kMoved_m = 0.4, kStuck_s = 10;
 constexpr double kRouteAgain_s = 4;  // while the explorer listens
 constexpr double kDetour = 1.3;
-constexpr std::size_t kImagePart_bytes = 15'000;
+constexpr std::size_t kImagePart_bytes = 15'000;  // or what a slow radio carries in one piece
+constexpr std::size_t kAroundImage_bytes = 250;   // what a record says besides
 
 }  // namespace
 
@@ -282,16 +284,18 @@ void Slei3dInspector::report(robot::Knowledge& k, const mission::Inspected& answ
   result.found = answer.outcome == mission::InspectOutcome::kFound;
   result.findings = answer.found;
   result.payload_bytes = static_cast<std::uint32_t>(answer.payload.size());
-  const std::size_t images = (answer.payload.size() + kImagePart_bytes - 1) / kImagePart_bytes;
+  const std::size_t carried_bytes = radio::Pace(k.mission().radio).record_bytes();
+  const std::size_t part_bytes = std::min(
+      kImagePart_bytes, std::max(carried_bytes, 2 * kAroundImage_bytes) - kAroundImage_bytes);
+  const std::size_t images = (answer.payload.size() + part_bytes - 1) / part_bytes;
   result.parts = static_cast<std::uint32_t>(1 + images);
   k.publish(store::RecordClass::kInspection, robot::result_key(result.area), result);
   result.findings.clear();
   for (std::uint32_t i = 0; i < images; ++i) {
-    const auto first = answer.payload.begin() + static_cast<std::ptrdiff_t>(i * kImagePart_bytes);
+    const auto first = answer.payload.begin() + static_cast<std::ptrdiff_t>(i * part_bytes);
     const auto left = static_cast<std::size_t>(answer.payload.end() - first);
     result.part = i + 1;
-    result.payload.assign(first,
-                          first + static_cast<std::ptrdiff_t>(std::min(left, kImagePart_bytes)));
+    result.payload.assign(first, first + static_cast<std::ptrdiff_t>(std::min(left, part_bytes)));
     k.publish(store::RecordClass::kImage, robot::image_key(result.area, result.part), result);
   }
   current_.reset();

@@ -255,7 +255,7 @@ double Subgroup::remaining_s(const robot::Knowledge& k) const {
 
 void Subgroup::missed(robot::Knowledge& k, RobotId id, bool arrived) {
   Mate& mate = mates_.at(id);
-  mate.not_before = k.now() + Duration::from_s(kAgainAfterMiss_s * (1 + mate.in_vain / 3));
+  mate.not_before = k.now() + Duration::from_s((1 + mate.in_vain) * kAgainAfterMiss_s);
   ++mate.in_vain;
   ++(arrived ? mate.missed : mate.out_of_reach);
   if (mate.lost || (mate.missed < kMissesUntilLost && mate.out_of_reach < kNoWayUntilLost)) return;

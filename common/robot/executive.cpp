@@ -183,6 +183,16 @@ void Executive::make_room(Knowledge& k, Commands& commands) {
   }
 }
 
+/// Who rests below one that may come down gets out of its way.
+void Executive::dodge(Knowledge& k, Commands& commands) {
+  const auto state = k.odometry().state;
+  if (limits_.ground || state == mission::VehicleState::kLanded || !resting(k.now())) return;
+  const auto above = k.silent_above(2 * radius_m_ + kFlyMargin_m);
+  if (!above) return;
+  blocked_by_ = *above;
+  step_aside(k, commands);
+}
+
 /// Our process got no time, and the vehicle, left alone, has stopped and may be landing: what was
 /// being flown is over.
 void Executive::forget_flight(const Knowledge& k) {
@@ -220,6 +230,7 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
   intent_ = intent;
 
   const bool safe = stay_safe(k, commands);
+  if (!aside_until_) dodge(k, commands);
   if (aside_until_) {
     if (now < *aside_until_) return commands;
     aside_until_.reset();

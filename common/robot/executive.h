@@ -57,6 +57,7 @@ class Executive {
   void forget_flight(const Knowledge& knowledge);
   void look_around(Knowledge& knowledge);
   void note_standing(SimTime now, const Teammate& mate);
+  void dodge(Knowledge& knowledge, Commands& commands);
   void make_room(Knowledge& knowledge, Commands& commands);
   void no_way(Knowledge& k);
   bool taken(const map::VoxelMap& map, const Vec3& p) const;

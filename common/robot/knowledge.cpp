@@ -9,6 +9,9 @@
 namespace muster::robot {
 namespace {
 
+// A beacon comes every tick: five lost in a row are no accident. From 5 m a vehicle is down by
+// then.
+constexpr double kSilent_s = 0.5, kLanded_s = 8;
 constexpr Duration kContactTimeout{
     1'000'000};                // DESIGN "The DDS layer": contact means beacons heard within 1 s
 constexpr double kQueued = 8;  // so many others' records may go first, there and back
@@ -66,6 +69,17 @@ Knowledge::Knowledge(const mission::Mission& mission, RobotId self, std::uint64_
 bool Knowledge::in_contact(RobotId id) const {
   const auto it = teammates_.find(id);
   return it != teammates_.end() && now_ - it->second.heard <= kContactTimeout;
+}
+
+std::optional<RobotId> Knowledge::silent_above(double aside_m) const {
+  for (const auto& [id, mate] : teammates_) {
+    const Vec3 off = mate.beacon.pose.p - position();
+    const double silent_s = (now_ - mate.heard).s();
+    if (silent_s > kSilent_s && silent_s < kLanded_s && off.z() > 0 &&
+        off.head<2>().norm() < aside_m)
+      return id;
+  }
+  return std::nullopt;
 }
 
 std::optional<SimTime> Knowledge::last_heard(RobotId id) const {

@@ -80,6 +80,9 @@ class Knowledge {
   /// A beacon was heard within 1 s: contact is physical (DESIGN "Meetings").
   bool in_contact(RobotId id) const;
   std::optional<SimTime> last_heard(RobotId id) const;
+  /// Who was last heard straight above, within `aside_m`, and fell silent: a vehicle whose process
+  /// died stops and lands on whatever is below (RULES "Motion").
+  std::optional<RobotId> silent_above(double aside_m) const;
   /// In contact, and neither side has anything left that the other lacks, as far as known.
   bool exchanged(RobotId id) const;
   /// As `exchanged`, without waiting for map and images.

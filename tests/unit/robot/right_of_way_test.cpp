@@ -141,6 +141,20 @@ class Hall {
 
 }  // namespace
 
+TEST_CASE("who hovers below one that falls silent is out from under it before it can land there") {
+  Hall hall({Vec3(0, 0, 1), Vec3(0.1, 0, 2.4)});
+  hall.run(1);
+  CHECK((hall[0].p() - Vec3(0, 0, 1)).norm() < 0.01);
+  const Vec3 above = hall[1].p();
+  hall.hears_m = 0;
+  for (double silent_s = 0.1; silent_s < 4; silent_s += 0.1) {
+    hall.run(0.1);
+    const Vec3 falling = above - Vec3(0, 0, 0.8 * std::max(0.0, silent_s - 1));  // as vehicles do
+    CAPTURE(silent_s);
+    CHECK((hall[0].p() - falling).norm() > 0.55);
+  }
+}
+
 TEST_CASE("who follows keeps off when the one in front brakes, whoever has the right of way") {
   const bool first = GENERATE(true, false);
   const double behind_m = GENERATE(0.6, 0.7, 0.9, 1.2, 1.6, 2.2);
