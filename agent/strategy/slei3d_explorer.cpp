@@ -20,6 +20,7 @@ constexpr double kTellEvery_s = 5;
 constexpr double kRadioMargin_m = 1.5;  // nearer than the radio reaches: well in contact
 constexpr double kCollect_s = 30, kSoonest_s = 50;
 constexpr double kExploringApart_s = 150;  // between meetings with the station
+constexpr double kForesight = 3;           // times what was explored so far, at most
 constexpr double kCornerInset_m = 0.6;
 constexpr double kAtThePlace_m = 1.0;  // the station parks up to 3.5 m from it: still in range
 constexpr double kMeetingHeight_m = 1.2;
@@ -211,9 +212,11 @@ std::vector<mission::Rung> Slei3dExplorer::next_ladder(robot::Knowledge& k) {
   if (exploration_->done()) {
     // Nothing is left to predict by volume: the inspectors' work that is left, and its collection.
     in_s = std::clamp(subgroup_.remaining_s(k) + kCollect_s, kSoonest_s, in_s);
-  } else if (in.elapsed_s > route::kFirstSlice_s) {
-    // Nearly done may go on for long, and every meeting costs a way there and back.
-    in_s = std::max(in_s, kExploringApart_s);
+  } else if (in.elapsed_s >= 10) {
+    // Nearly done may go on for long, and every meeting costs a way there and back. What the first
+    // minute promises of the rest is little more than a guess.
+    const double least_s = in.elapsed_s > route::kFirstSlice_s ? kExploringApart_s : 0;
+    in_s = std::clamp(in_s, least_s, std::max(kExploringApart_s, kForesight * in.elapsed_s));
   }
   const Vec3 place = meeting_corner(k, in_s);
   const SimTime from = k.now() + Duration::from_s(in_s);

@@ -227,7 +227,12 @@ PathFinder::Transit PathFinder::find_through_unknown(const Vec3& start, const Ve
   request.unknown_factor = unknown_factor;
   request.avoid = avoid;
   request.max_expansions = m.max_expansions;
-  const SearchEnd end = m.search.run(request);
+  SearchEnd end = m.search.run(request);
+  if (end == SearchEnd::kLimit) {
+    // A known goal beyond much unknown space: the exact search goes through all of it.
+    request.eager = true;
+    end = m.search.run(request);
+  }
   if (end != SearchEnd::kFound) return {std::nullopt, {}, reason_of(end, false)};
 
   // The known part ends at the last traversable voxel before the first unknown one; each part is

@@ -54,7 +54,7 @@ void Search::prepare(const SearchRequest& request) {
   straight_ = Vec3(request.goal.x - request.start.x, request.goal.y - request.start.y,
                    request.goal.z - request.start.z);
   straight_length_ = std::max(1.0, straight_.norm());
-  eager_ = request.through_unknown && ground(request.goal) != Ground::kKnown;
+  eager_ = request.through_unknown && (request.eager || ground(request.goal) != Ground::kKnown);
   for (int axes = 1; axes <= 3; ++axes) {
     level_[static_cast<std::size_t>(axes)] = price(axes, 8, eager_, false);
     steep_[static_cast<std::size_t>(axes)] = price(axes, 8, eager_, true);

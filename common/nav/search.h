@@ -19,6 +19,7 @@ struct SearchRequest {
   bool through_unknown = false;
   double unknown_factor = 2;           ///< cost of a metre of unknown space
   std::span<const map::Sphere> avoid;  ///< unknown space within these is not entered
+  bool eager = false;  ///< estimates by what unknown space costs, wherever the goal is
   std::uint32_t max_expansions = 0;
 };
 

@@ -54,28 +54,54 @@ Intent go_home(const Knowledge& k, std::string reason, bool land) {
   return intent;
 }
 
-/// The nearest place where somebody waits who has not heard.
+/// Whom this robot leads, as far as it tells them: the station explorers, an explorer inspectors.
+bool leads(const Knowledge& k, mission::Role role) {
+  return (k.config().role == mission::Role::kStation && role == mission::Role::kExplorer) ||
+         (k.config().role == mission::Role::kExplorer && role == mission::Role::kInspector);
+}
+
+/// Where `mate` may be found soonest: an inspector on its route, or, `late`, where that ends;
+/// an explorer where it was flying when it was last heard.
+std::optional<mission::TimedPose> Guardian::expected(const Knowledge& k, const Teammate& mate,
+                                                     bool late) {
+  if (mate.beacon.role == mission::Role::kExplorer) {
+    mission::TimedPose last{mate.heard, mate.beacon.pose};
+    if (!mate.beacon.trajectory.empty()) last = mate.beacon.trajectory.back();
+    last.pose.p.z() = k.position().z();
+    return last;
+  }
+  const auto* route = k.plan(mate.beacon.envelope.src, mission::PlanKind::kRoute);
+  if (!route || route->body.steps.empty()) return std::nullopt;
+  for (const mission::PlanStep& step : route->body.steps) {
+    const double way_m = (step.at.pose.p - k.position()).norm();
+    if (!late && step.at.t >= k.now() + Duration::from_s(way_m / kTellSpeed_mps)) return step.at;
+  }
+  return route->body.steps.back().at;
+}
+
+/// The nearest place where somebody may be who has not heard.
 std::optional<Guardian::Errand> Guardian::next_errand(const Knowledge& k) const {
   std::optional<Errand> best;
   double best_m = kTellWithin_m;
   for (const auto& [id, mate] : k.teammates()) {
-    if (told_.contains(id) || mate.beacon.role != mission::Role::kInspector) continue;
-    const auto* route = k.plan(id, mission::PlanKind::kRoute);
-    if (!route || route->body.steps.empty()) continue;
-    const mission::TimedPose& end = route->body.steps.back().at;
-    const double way_m = (end.pose.p - k.position()).norm();
+    if (told_.contains(id) || !leads(k, mate.beacon.role)) continue;
+    const auto last = expected(k, mate, true);
+    const auto place = in_vain_.contains(id) ? last : expected(k, mate, false);
+    if (!place) continue;
+    const double way_m = (place->pose.p - k.position()).norm();
     if (way_m >= best_m) continue;
     best_m = way_m;
-    best = {id, end.pose.p,
-            std::max(end.t, k.now() + Duration::from_s(way_m / kTellSpeed_mps)) +
-                Duration::from_s(kTellStay_s)};
+    best = {id, place->pose.p,
+            std::max(place->t, k.now() + Duration::from_s(way_m / kTellSpeed_mps)) +
+                Duration::from_s(kTellStay_s),
+            place->pose.p == last->pose.p};
   }
   return best;
 }
 
 std::optional<Intent> Guardian::tell_others(const Knowledge& k) {
   if (!called_home_) called_home_ = k.now();
-  if (k.config().role != mission::Role::kExplorer || low_battery(k) ||
+  if (k.config().role == mission::Role::kInspector || low_battery(k) ||
       (k.now() - *called_home_).s() > kTellFor_s)
     return std::nullopt;
   for (const auto& [id, mate] : k.teammates()) {
@@ -85,7 +111,10 @@ std::optional<Intent> Guardian::tell_others(const Knowledge& k) {
         doing == Activity::kReturning || doing == Activity::kLanding || doing == Activity::kLanded;
     if (k.talked(id) || (goes_home && mate.heard >= *called_home_)) told_.insert(id);
   }
-  if (errand_ && k.now() > errand_->until) told_.insert(errand_->mate);
+  if (errand_ && k.now() > errand_->until) {
+    (errand_->last ? told_ : in_vain_).insert(errand_->mate);
+    errand_.reset();
+  }
   if (errand_ && told_.contains(errand_->mate)) errand_.reset();
   if (!errand_) errand_ = next_errand(k);
   if (!errand_) return std::nullopt;
@@ -106,7 +135,7 @@ std::optional<Intent> Guardian::overrule(const Knowledge& k) {
     if (request->request != RequestVerb::kLand) land_here_.reset();
     const bool home =
         request->request == RequestVerb::kReturn || request->request == RequestVerb::kAbort;
-    if (!home) called_home_.reset(), errand_.reset(), told_.clear();
+    if (!home) called_home_.reset(), errand_.reset(), told_.clear(), in_vain_.clear();
     if (home && request->robot == kNoRobot) {
       if (auto errand = tell_others(k)) return errand;
     }

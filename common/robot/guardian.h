@@ -19,8 +19,8 @@ namespace muster::robot {
 ///     battery below reserve, or nobody heard for the mission's lost_contact_s:  home, and land
 ///
 /// Who is called home together with everybody does not leave the others waiting where nothing is
-/// heard: an explorer, which knows where its inspectors' routes end, tells those near its way
-/// first, for three minutes at most.
+/// heard: the station, which has just seen where its explorers fly, and an explorer, which knows
+/// its inspectors' routes, tell those near their way first, for three minutes at most.
 class Guardian {
  public:
   /// The intent to follow instead of the strategy's, when there is one.
@@ -31,13 +31,17 @@ class Guardian {
     RobotId mate;
     Vec3 place;
     SimTime until;
+    bool last = true;  // the last place to look for it
   };
   std::optional<Intent> tell_others(const Knowledge& knowledge);
+  static std::optional<mission::TimedPose> expected(const Knowledge& knowledge,
+                                                    const Teammate& mate, bool late);
   std::optional<Errand> next_errand(const Knowledge& knowledge) const;
 
   std::optional<Vec3> land_here_;
   std::optional<SimTime> called_home_;  // with everybody
   std::set<RobotId> told_;              // of that, or not to be found
+  std::set<RobotId> in_vain_;           // once not where they were expected
   std::optional<Errand> errand_;
   bool going_silently_ = false;  // nobody was heard for too long, and its turn has come
 };

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -17,6 +18,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+
+#include "common/geometry/pose.h"
 
 namespace fs = std::filesystem;
 
@@ -216,6 +219,23 @@ TEST_CASE(
     CHECK(run.status == 3);
   };
   fly("whole", "");
+  // Out of everybody's hearing around that second.
+  const auto alone = [&](double t_s, int robot) {
+    std::map<int, std::map<int, muster::Vec3>> at;  // by second and robot
+    std::ifstream tracks(place / "whole/tracks.csv");
+    for (std::string line; std::getline(tracks, line);) {
+      double t = 0, x = 0, y = 0, z = 0;
+      int id = 0;
+      if (std::sscanf(line.c_str(), "%lf,%d,%lf,%lf,%lf", &t, &id, &x, &y, &z) == 5 &&
+          std::abs(t - t_s) < 2)
+        at[static_cast<int>(t)][id] = {x, y, z};
+    }
+    return std::ranges::all_of(at, [&](const auto& second) {
+      return std::ranges::all_of(second.second, [&](const auto& other) {
+        return other.first == robot || (other.second - second.second.at(robot)).norm() > 6;
+      });
+    });
+  };
   // An inspection whose inspector took it along for a while before it met anybody.
   std::map<int, nlohmann::json> carried;
   std::optional<nlohmann::json> prey;
@@ -225,7 +245,9 @@ TEST_CASE(
     if (event["event"] == "inspected") carried[event["feature"]] = event;
     if (event["event"] != "delivered") continue;
     const auto& from = carried.at(event["feature"]);
-    if (event["t_s"].get<double>() - from["t_s"].get<double>() > 1) prey = from;
+    if (event["t_s"].get<double>() - from["t_s"].get<double>() > 1 &&
+        alone(from["t_s"].get<double>(), from["robot"].get<int>()))
+      prey = from;
   }
   REQUIRE(prey);
   std::ofstream(place / "faults.yaml")

@@ -261,6 +261,20 @@ TEST_CASE("transit goes through unknown space but hands out only the known part 
   CHECK(other.path->points != transit.path->points);
 }
 
+TEST_CASE("a known goal beyond much unknown space is found with few expansions") {
+  KnownMap two({0, 0, 0}, {12, 12, 12});
+  for (int z = 0; z < 12; ++z) {
+    for (int y = 100; y < 112; ++y) {
+      for (int x = 150; x < 162; ++x) two.set({x, y, z}, map::Voxel::kFree);
+    }
+  }
+  PathFinder finder(two.map(), 20'000);
+  const Vec3 goal(31.1, 21.1, 1.1);
+  const auto way = finder.find_through_unknown(Vec3(1, 1, 1), goal, 0.3);
+  REQUIRE(way.path);
+  CHECK(way.path->length_m() < 1.3 * (goal - Vec3(1, 1, 1)).norm());
+}
+
 TEST_CASE("transit to a far unknown goal costs hardly more than the straight") {
   map::MapConfig config;
   config.bounds = Box::from_corners(Vec3(-20, -20, -1), Vec3(140, 60, 20));
