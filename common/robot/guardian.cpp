@@ -18,7 +18,7 @@ constexpr double kLongestTurn_s = 30, kRound_s = 300;
 
 // Telling others that they are called home: how far from here, for how long altogether, and how
 // much later than planned an inspector may be where its route ends.
-constexpr double kTellWithin_m = 30, kTellFor_s = 180, kTellStay_s = 20, kTellSpeed_mps = 0.7;
+constexpr double kTellWithin_m = 30, kTellFor_s = 180, kTellStay_s = 12, kTellSpeed_mps = 0.7;
 
 bool low_battery(const Knowledge& k) {
   return k.config().vehicle.discharge_mah_per_s > 0 &&

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kCoverageGoal = 0.95;
 constexpr double kHomeM = 1.5;  // a landing counts as at the start within this, horizontally
-constexpr double kStandingMps = 0.05;
+constexpr double kStandingMps = 0.05, kStoodS = 3;  // a rover that only turns stands for less
 constexpr double kParkedS = 20;  // a rover that stands this long does not go on: it may only turn
 
 nlohmann::json seconds(const std::optional<SimTime>& t) {
@@ -56,10 +56,10 @@ void World::Impl::account() {
 }
 
 bool World::Impl::home() const {
-  return std::all_of(robots.begin(), robots.end(), [](const Robot& r) {
+  return std::all_of(robots.begin(), robots.end(), [&](const Robot& r) {
     if (!r.alive) return true;
     const Vec3 off = r.vehicle.pose().p - r.config.start.p;
-    const bool standing = r.config.vehicle.ground && r.vehicle.velocity_mps().norm() < kStandingMps;
+    const bool standing = r.config.vehicle.ground && (now - r.moved_at).s() >= kStoodS;
     return (r.vehicle.resting() || standing) && std::hypot(off.x(), off.y()) <= kHomeM;
   });
 }

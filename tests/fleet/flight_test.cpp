@@ -213,7 +213,7 @@ TEST_CASE(
   const Place place;
   const auto fly = [&](const std::string& name, const std::string& how) {
     const Ended run = shell(fmt::format(
-        "timeout 250 {} run {} --seed 1 --duration 150 --transport memory --no-report --out {} {}",
+        "timeout 250 {} run {} --seed 1 --duration 400 --transport memory --no-report --out {} {}",
         kMuster, kPagoda, place / name, how));
     INFO(run.output);
     CHECK(run.status == 3);

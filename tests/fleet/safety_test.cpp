@@ -26,12 +26,13 @@ class Flown {
                },
                {}) {
     spdlog::set_level(spdlog::level::warn);
-    while (!end_) {
+    constexpr int kStay = 40;  // ticks: a rover that only turns stands for less
+    for (int home = 0; !end_ && home < kStay;) {
       end_ = fleet_.tick();
       for (const mission::ScriptedEvent& e : mission_.script) {
         if (e.verb == "kill" && e.at < fleet_.flight().now()) robots_.erase(e.robot);
       }
-      if (after_script() && all_home(mission::VehicleState::kLanded)) break;
+      home = after_script() && all_home(mission::VehicleState::kLanded) ? home + 1 : 0;
     }
     summary = fleet_.finish(end_.value_or("all have landed"));
   }

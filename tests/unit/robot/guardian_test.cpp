@@ -144,9 +144,9 @@ TEST_CASE("an explorer that is called home tells its waiting inspector first, bu
   CHECK(first->kind == Intent::Kind::kGo);
   CHECK(first->with == RobotId{2});
   CHECK(first->goal.p == Vec3(6, 2, 2));
-  explorer.begin(SimTime::from_s(59));  // 20 s later than it should be there
+  explorer.begin(SimTime::from_s(51));  // 12 s later than it should be there
   CHECK(guardian.overrule(explorer)->kind == Intent::Kind::kGo);
-  explorer.begin(SimTime::from_s(61));
+  explorer.begin(SimTime::from_s(53));
   CHECK(guardian.overrule(explorer)->kind == Intent::Kind::kLand);
   // The inspector itself, called home, goes home.
   request(inspector, mission::RequestVerb::kAbort, kNoRobot, 1);
