@@ -18,10 +18,8 @@ constexpr double kDoubtsEvery_s = 10;
 constexpr double kBoxMargin_m = 0.4;
 constexpr double kMoved_m = 0.08;
 constexpr double kOfMiddle_sigmas = 3.7;  // a sighting this far from the middle is of another
-constexpr double kPlainCos = 0.5;         // directions this close can be of one surface
-constexpr double kOtherSide = 0.08;   // of showing itself to the sighter: less is another surface
-constexpr std::size_t kSure = 2;      // sightings that make a doubtful area one
-constexpr std::size_t kTestFrom = 6;  // sightings of an area that may be two
+constexpr std::size_t kSure = 2;          // sightings that make a doubtful area one
+constexpr std::size_t kTestFrom = 6;      // sightings of an area that may be two
 constexpr int kReviews = 2;
 
 bool concerns(const mission::Mission& mission, RegionId region, const Vec3& p) {

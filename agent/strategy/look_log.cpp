@@ -13,8 +13,6 @@ namespace {
 constexpr double kOfIt_sigmas = 4;
 constexpr double kNothing_m = 0.5;  // around where nothing was found, by the rule
 constexpr double kConcerned_m = 1.0;
-constexpr double kPlainCos = 0.5;    // directions this close can be of one surface, whatever it is
-constexpr double kOtherSide = 0.08;  // of showing itself to the sighter: less is another surface
 // Gain in log-likelihood that tells two sources from one: what the best split of noise gains grows
 // with the sightings. In a simulation 100 of one source gained 41 at most, 56 with both fitted.
 constexpr double kGain = 16, kGainPerPoint = 0.33, kGainPerFittedPoint = 0.47;

@@ -11,6 +11,11 @@
 
 namespace muster::agent {
 
+/// The cosine between directions so close that both can be of one surface, whatever it is.
+inline constexpr double kPlainCos = 0.5;
+/// The chance of showing itself to a sighter below which it is another surface that was sighted.
+inline constexpr double kOtherSide = 0.08;
+
 /// A result with parts is the camera's answer; one without says that the inspector gave up.
 inline bool answered(const mission::Inspection& inspection) { return inspection.parts > 0; }
 

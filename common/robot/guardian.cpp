@@ -40,6 +40,12 @@ bool my_turn(const Knowledge& k) {
          rank;
 }
 
+/// Whom this robot leads, as far as it tells them: the station explorers, an explorer inspectors.
+bool leads(const Knowledge& k, mission::Role role) {
+  return (k.config().role == mission::Role::kStation && role == mission::Role::kExplorer) ||
+         (k.config().role == mission::Role::kExplorer && role == mission::Role::kInspector);
+}
+
 }  // namespace
 
 Intent go_home(const Knowledge& k, std::string reason, bool land) {
@@ -52,12 +58,6 @@ Intent go_home(const Knowledge& k, std::string reason, bool land) {
     intent.activity = mission::Activity::kLanded;
   intent.reason = std::move(reason);
   return intent;
-}
-
-/// Whom this robot leads, as far as it tells them: the station explorers, an explorer inspectors.
-bool leads(const Knowledge& k, mission::Role role) {
-  return (k.config().role == mission::Role::kStation && role == mission::Role::kExplorer) ||
-         (k.config().role == mission::Role::kExplorer && role == mission::Role::kInspector);
 }
 
 /// Where `mate` may be found soonest: an inspector on its route, or, `late`, where that ends;

@@ -3,6 +3,7 @@
 #include <zstd.h>
 
 #include <array>
+#include <tuple>
 
 #include "common/core/bytes.h"
 #include "common/core/error.h"
@@ -11,7 +12,7 @@
 namespace muster::robot {
 namespace {
 
-constexpr std::size_t kWords = 64;       // per plane of a block
+constexpr std::size_t kWords = std::tuple_size_v<map::Plane>;
 constexpr int kLevel = 3;                // of zstd
 constexpr int kPieceShift = 2;           // 4³ blocks
 constexpr std::uint64_t kNodeBytes = 2;  // two bits for each of its eight children

@@ -6,8 +6,6 @@
 namespace muster::world {
 namespace {
 
-// A spot lies on a surface; looked at from its front, that surface must not hide it.
-
 double noisy(double distance_m, const mission::SensingConfig& noise, Random& random) {
   double d = distance_m + random.uniform(-noise.range_noise_m, noise.range_noise_m);
   const double bound = noise.depth_noise * distance_m;

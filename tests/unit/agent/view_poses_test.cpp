@@ -18,6 +18,15 @@ struct Place {
     be_at(inspector, 1, {0, 0, 2});
     inspector.paths().flood(inspector.position());
   }
+  /// A feature at `at` was found by inspecting area `id`.
+  void find(std::uint32_t id, const Vec3& at) {
+    mission::Inspection i;
+    i.area = {RobotId{1}, id};
+    i.area_position = at;
+    i.found = true;
+    i.findings = {{FeatureId{id}, 0, at}};
+    inspector.publish(store::RecordClass::kInspection, robot::result_key(i.area), i);
+  }
   double incidence(const ViewPose& v, const mission::Area& a, const Vec3& normal) const {
     return std::acos((v.pose.p - a.position).normalized().dot(normal));
   }
@@ -32,26 +41,18 @@ bool roof(const Vec3& p) { return std::abs(p.z() - roof_z(p)) < 0.15; }
 
 TEST_CASE("the spot to ask about is moved off what is known, as little as that takes") {
   Place p(wall);
-  const auto find = [&](std::uint32_t id, const Vec3& at) {
-    mission::Inspection i;
-    i.area = {RobotId{1}, id};
-    i.area_position = at;
-    i.found = true;
-    i.findings = {{FeatureId{id}, 0, at}};
-    p.inspector.publish(store::RecordClass::kInspection, robot::result_key(i.area), i);
-  };
   const mission::Area a = area_at({4.0, 0, 2}, {2.0, 0, 2});
   CHECK(spot_to_ask(p.inspector, a) == a.position);
-  find(1, {4.0, 0.2, 2});
+  p.find(1, {4.0, 0.2, 2});
   const Vec3 spot = spot_to_ask(p.inspector, a);
   CHECK((spot - Vec3(4.0, 0.2, 2)).norm() > p.mission.inspect.match_m);
   CHECK((spot - Vec3(4.0, -0.32, 2)).norm() < 0.01);
   CHECK_FALSE(known_near(p.inspector, spot));
   // Between two there is no such spot.
-  find(2, {4.0, -0.2, 2});
-  find(3, {4.0, 0, 2.2});
-  find(4, {4.0, 0, 1.8});
-  find(5, {3.8, 0, 2});
+  p.find(2, {4.0, -0.2, 2});
+  p.find(3, {4.0, 0, 2.2});
+  p.find(4, {4.0, 0, 1.8});
+  p.find(5, {3.8, 0, 2});
   CHECK(spot_to_ask(p.inspector, a) == a.position);
 }
 
@@ -109,21 +110,14 @@ TEST_CASE("what cannot be seen from anywhere has no pose, and a wall in between 
 
 TEST_CASE("the spot asked for leaves out a feature that is known already, when it can") {
   Place p(wall);
-  const auto find = [&](std::uint64_t key, const Vec3& at) {
-    mission::Inspection i;
-    i.area = {RobotId{1}, key};
-    i.found = true;
-    i.findings = {{FeatureId{static_cast<std::uint32_t>(key)}, 0, at}};
-    p.inspector.publish(store::RecordClass::kInspection, robot::result_key(i.area), i);
-  };
   const mission::Area a = area_at({4.0, 0, 2}, {2.0, 0, 2});
   CHECK(spot_to_ask(p.inspector, a) == a.position);
-  find(1, {4.0, 0.35, 2});
+  p.find(1, {4.0, 0.35, 2});
   const Vec3 aside = spot_to_ask(p.inspector, a);
   CHECK((aside - Vec3(4.0, 0.35, 2)).norm() > p.mission.inspect.match_m);
   CHECK((aside - a.position).norm() < 0.25);
-  find(2, {4.0, -0.35, 2});  // between two there is no such spot near by
-  find(3, {4.0, 0, 2.1});
+  p.find(2, {4.0, -0.35, 2});  // between two there is no such spot near by
+  p.find(3, {4.0, 0, 2.1});
   CHECK(spot_to_ask(p.inspector, a) == a.position);
 }
 
