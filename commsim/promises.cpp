@@ -79,6 +79,8 @@ void Promises::judge_file(RobotId robot, const std::string& path, SimTime now) {
   }
 }
 
+void Promises::disk_lost(RobotId robot) { promises_.erase(robot); }
+
 nlohmann::json Promises::to_json() const {
   auto records = nlohmann::json::array();
   for (const auto& [what, loss] : lost_) {

@@ -25,7 +25,8 @@ namespace muster::commsim {
 ///
 /// A robot that dies is judged at once, by the file that it leaves behind, and everyone at the end.
 /// What nobody ever sent is no concern of anybody else. What a newer start of its author voids may
-/// be gone.
+/// be gone, and so may all that was promised by a disk that is no more: what only that one held is
+/// not forgotten but destroyed, and the features among it are named as redone.
 class Promises {
  public:
   /// `message` is `by`'s own. What cannot be read promises nothing.
@@ -35,6 +36,9 @@ class Promises {
   void judge(RobotId robot, std::span<const store::RecordHeader> journal, SimTime now);
   /// `judge` by the journal at `path`; nothing when there is none.
   void judge_file(RobotId robot, const std::string& path, SimTime now);
+
+  /// The script took `robot`'s journal: from now on it is held to what it promises anew.
+  void disk_lost(RobotId robot);
 
   std::size_t lost() const { return lost_.size(); }
   /// `{"count", "journals", "records": [{robot, author, epoch, class, key, seq, t_s}, …]}`: how many

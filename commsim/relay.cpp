@@ -47,7 +47,8 @@ std::optional<mission::Envelope> checked_envelope(RobotId sender, const mission:
 
 struct Relay::Impl {
   Impl(const mission::Mission& mission, const radio::Obstacles& obstacles)
-      : interference(mission.script),
+      : script(mission.script),
+        interference(mission.script),
         main(mission.radio, obstacles, mission.seed, 1, mission.fleet.size()) {
     for (const mission::RobotConfig& robot : mission.fleet) places.push_back({.robot = robot.id});
     std::ranges::sort(places, {}, &Place::robot);
@@ -199,11 +200,13 @@ struct Relay::Impl {
     }
   }
 
+  const std::vector<mission::ScriptedEvent> script;
   std::vector<Place> places;  // ascending
   Interference interference;
   std::optional<std::string> journals;  // the directory that has them
   Promises promises;
   SimTime stepped;  // when last
+  std::map<RobotId, SimTime> died;
   Ether main;
   std::optional<Ether> mesh;
   std::map<std::uint64_t, std::vector<Late>> late;  // by the tick whose outcome they belong to
@@ -271,7 +274,13 @@ void Relay::set_alive(RobotId robot, bool alive) {
   Place* place = impl_->place_of(robot);
   if (!place || place->process_alive == alive) return;
   place->process_alive = alive;
-  if (!alive) impl_->judge(robot);
+  if (!alive) {
+    impl_->judge(robot);
+    impl_->died[robot] = impl_->stepped;
+  } else if (mission::lost_journal(impl_->script, robot, impl_->died[robot],
+                                   impl_->stepped + kTick)) {
+    impl_->promises.disk_lost(robot);
+  }
 }
 
 void Relay::set_located(RobotId robot, bool located) {

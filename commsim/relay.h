@@ -47,7 +47,8 @@ class Relay {
   /// want of a `pose`.
   void set_located(RobotId robot, bool located);
   /// Robots keep their journals below `dir`, the directory of their results. Each is judged by what
-  /// its robot had promised (Promises), when the robot dies and at `finish`.
+  /// its robot had promised (Promises), when the robot dies and at `finish`; who was started again
+  /// without its journal, by what it promised since.
   void judge_journals_in(const std::string& dir);
   /// From now on writes who heard whom to `path` (AirLog has its columns); `finish` writes the rest
   /// of it. Throws Failure.

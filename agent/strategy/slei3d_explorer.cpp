@@ -24,6 +24,8 @@ constexpr double kForesight = 3;           // times what was explored so far, at
 constexpr double kCornerInset_m = 0.6;
 constexpr double kAtThePlace_m = 1.0;  // the station parks up to 3.5 m from it: still in range
 constexpr double kMeetingHeight_m = 1.2;
+// Without word of the station: at the start of a mission it speaks at once.
+constexpr double kNoOrders_s = 20, kNoAgreement_s = 60;
 
 }  // namespace
 
@@ -69,6 +71,7 @@ bool Slei3dExplorer::region_done(const robot::Knowledge& k) const {
 
 robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress& progress) {
   if (k.now() == k.started()) agreement_.resume(k);
+  agreement_.be_told(k);
   follow(k, orders(k));
   const RegionId region = exploration_ ? exploration_->region() : kNoRegion;
   fitter_.review(k, exploration_ && exploration_->done());
@@ -84,12 +87,7 @@ robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress&
     return robot::go_home(
         k, k.declared_complete() ? "the mission is complete" : "no region is left to work on");
   }
-  if (!exploration_) {
-    robot::Intent wait;
-    wait.activity = mission::Activity::kWaiting;
-    wait.reason = "waiting for the station's assignment";
-    return wait;
-  }
+  if (!exploration_) return await_orders(k);
   if (auto intent = meet_station(k, progress)) return *intent;
   if (auto intent = visit(k, progress)) return *intent;
 
@@ -116,6 +114,30 @@ robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress&
 
 // ---- the station
 
+/// Since the station was heard, or since this start.
+double Slei3dExplorer::unheard_s(const robot::Knowledge& k) const {
+  return (k.now() - k.last_heard(station_).value_or(k.started())).s();
+}
+
+robot::Intent Slei3dExplorer::go_to(const robot::Knowledge& k, const mission::Rung& rung) const {
+  robot::Intent intent;
+  intent.kind = robot::Intent::Kind::kGo;
+  intent.goal.p = rung.place;
+  intent.goal.p.z() = std::max(intent.goal.p.z(), k.mission().hull.low().z() + kMeetingHeight_m);
+  intent.through_unknown = true;
+  intent.tolerance_m = kAtThePlace_m;
+  intent.activity = mission::Activity::kMeeting;
+  return intent;
+}
+
+robot::Intent Slei3dExplorer::await_orders(const robot::Knowledge& k) const {
+  robot::Intent wait;
+  if (unheard_s(k) > kNoOrders_s) wait = go_to(k, agreement_.next(k));
+  wait.activity = mission::Activity::kWaiting;
+  wait.reason = "waiting for the station's assignment";
+  return wait;
+}
+
 std::optional<robot::Intent> Slei3dExplorer::meet_station(robot::Knowledge& k,
                                                           const robot::Progress&) {
   const bool first = agreement_.number() == 0;
@@ -130,7 +152,7 @@ std::optional<robot::Intent> Slei3dExplorer::meet_station(robot::Knowledge& k,
     if (negotiating_) return intent;
     return std::nullopt;
   }
-  if (!leaving_ && !first) leaving_ = time_to_leave(k, rung);
+  if (!leaving_ && (!first || unheard_s(k) > kNoAgreement_s)) leaving_ = time_to_leave(k, rung);
   // (A meeting that was missed is made up for wherever the two come across each other.)
   const bool meant = first || leaving_ || region_done(k) || agreement_.missed(k) > 0;
   if (meant && k.in_contact(station_)) {
@@ -146,13 +168,7 @@ std::optional<robot::Intent> Slei3dExplorer::meet_station(robot::Knowledge& k,
     leaving_ = false;
     return std::nullopt;
   }
-  robot::Intent intent;
-  intent.kind = robot::Intent::Kind::kGo;
-  intent.goal.p = rung.place;
-  intent.goal.p.z() = std::max(intent.goal.p.z(), k.mission().hull.low().z() + kMeetingHeight_m);
-  intent.through_unknown = true;
-  intent.tolerance_m = kAtThePlace_m;
-  intent.activity = mission::Activity::kMeeting;
+  robot::Intent intent = go_to(k, rung);
   intent.reason = "to the meeting with the station at " +
                   std::to_string(static_cast<int>(rung.from.s())) + " s";
   return intent;

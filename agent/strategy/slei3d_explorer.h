@@ -17,6 +17,10 @@ namespace muster::agent {
 ///     are areas to give; after exploring: it holds results explore              frontiers, then
 ///     surfaces owed looks, in FF3E's order wait                 for its meeting
 ///
+/// Who was started again without its journal knows of no region and no meeting. Somebody who passes
+/// may tell it; else it finds the station where everybody does who has no agreement, at the
+/// standing place.
+///
 /// A meeting with the station: tell how far the region is; when it is done wait for the next one;
 /// propose when and where to meet again (predictor (9), box corner S0.8); leave when that is
 /// acknowledged and all records have passed.
@@ -40,6 +44,9 @@ class Slei3dExplorer : public robot::Strategy {
   void follow(robot::Knowledge& k, const Orders& orders);
 
   std::optional<robot::Intent> meet_station(robot::Knowledge& k, const robot::Progress& progress);
+  robot::Intent await_orders(const robot::Knowledge& k) const;
+  robot::Intent go_to(const robot::Knowledge& k, const mission::Rung& rung) const;
+  double unheard_s(const robot::Knowledge& k) const;
   robot::Intent negotiate(robot::Knowledge& k);
   bool time_to_leave(robot::Knowledge& k, const mission::Rung& rung);
   std::vector<mission::Rung> next_ladder(robot::Knowledge& k);

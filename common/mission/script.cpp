@@ -101,6 +101,11 @@ void read_values(YamlMap& map, ScriptedEvent& e) {
   } else if (e.verb == "skew") {
     map.require("by_s", e.value);
     read_between(map, "by_s", e.value, -kMostSkew_s, kMostSkew_s);
+  } else if (e.verb == "revive" && map.has("journal")) {
+    std::string journal;
+    map.require("journal", journal);
+    e.journal_lost = journal == "lost";
+    if (!e.journal_lost) map.fail("journal", "lost, or leave it out: then it was kept");
   }
 }
 
@@ -170,6 +175,13 @@ bool in_force(const std::vector<ScriptedEvent>& script, const char* verb, RobotI
   });
 }
 
+bool lost_journal(const std::vector<ScriptedEvent>& script, RobotId robot, SimTime after,
+                  SimTime until) {
+  return std::ranges::any_of(script, [&](const ScriptedEvent& e) {
+    return e.journal_lost && e.robot == robot && e.at > after && e.at <= until;
+  });
+}
+
 std::vector<ScriptedEvent> read_script(YamlMap& map, const Mission& m) {
   std::vector<ScriptedEvent> script;
   for (YamlMap& item : map.list("script")) {
@@ -208,6 +220,7 @@ void write_script(std::ostream& out, const std::vector<ScriptedEvent>& script) {
     if (e.verb == "loss") out << fmt::format(", probability: {}", e.value);
     if (e.verb == "skew") out << fmt::format(", by_s: {}", e.value);
     if (e.verb == "drain") out << fmt::format(", charge: {}", e.value);
+    if (e.journal_lost) out << ", journal: lost";
     if (e.lasts.us > 0) out << fmt::format(", for_s: {}", e.lasts.decimal_s());
     out << "}\n";
   }

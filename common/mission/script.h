@@ -19,6 +19,7 @@ struct Mission;
 /// |-----------------------------------------------------------|----------------------------------|
 /// | {at_s: 60, verb: kill, robot: 3}                          | its process dies                 |
 /// | {at_s: 80, verb: revive, robot: 3}                        | and is started again             |
+/// | {at_s: 80, verb: revive, robot: 3, journal: lost}         | and its disk had to be replaced  |
 /// | {at_s: 60, verb: pause, robot: 3, for_s: 5}               | gets no ticks, says nothing      |
 /// | {at_s: 60, verb: jam, center: [0, 0, 3], radius_m: 8, …}  | nobody inside hears or is heard  |
 /// | {at_s: 60, verb: cut, robots: [2, 3], for_s: 60}          | these two do not hear each other |
@@ -42,7 +43,8 @@ struct ScriptedEvent {
   Duration lasts{};          ///< verbs with `for_s`
   Vec3 center = Vec3::Zero();
   double radius_m = 0;
-  double value = 0;  ///< loss: probability; drain: charge; skew: s
+  double value = 0;           ///< loss: probability; drain: charge; skew: s
+  bool journal_lost = false;  ///< revive: nothing is left of what it had kept
 
   bool concerns(RobotId id) const { return robot == kNoRobot || robot == id; }
   bool in_force(SimTime now) const { return at <= now && now < at + lasts; }
@@ -53,6 +55,10 @@ struct ScriptedEvent {
 /// Whether something with this verb is in force for `robot`.
 bool in_force(const std::vector<ScriptedEvent>& script, const char* verb, RobotId robot,
               SimTime now);
+
+/// Whether `robot` was started again without its journal, after `after` and by `until`.
+bool lost_journal(const std::vector<ScriptedEvent>& script, RobotId robot, SimTime after,
+                  SimTime until);
 
 /// The entries of a `script:`, for the fleet and seed of `mission`. Throws BadInput.
 std::vector<ScriptedEvent> read_script(YamlMap& map, const Mission& mission);

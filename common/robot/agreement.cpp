@@ -22,6 +22,11 @@ void Agreement::resume(const Knowledge& k) {
   if (mine) acknowledged_ = {ack->body.ack_epoch, ack->body.ack_seq};
 }
 
+void Agreement::be_told(const Knowledge& k) {
+  const auto* ack = k.meeting(partner_, self_, mission::MeetingKind::kAcknowledgement);
+  if (number_ == 0 && ack && ack->body.ack_epoch < k.epoch()) resume(k);
+}
+
 void Agreement::propose(Knowledge& k, std::vector<mission::Rung> ladder, RegionId region) {
   mission::Meeting m;
   m.kind = mission::MeetingKind::kProposal;

@@ -34,6 +34,9 @@ class Agreement {
   /// wrote it. To be called in the first tick, before anything new of this start voids what is
   /// kept.
   void resume(const Knowledge& knowledge);
+  /// Explorer that kept nothing, once per tick: somebody may know what its earlier start had agreed
+  /// on. What was acknowledged to this start is heard by `update`, or void.
+  void be_told(const Knowledge& knowledge);
   /// Explorer: proposes the next meeting. Publishes the record.
   void propose(Knowledge& knowledge, std::vector<mission::Rung> ladder, RegionId region);
   /// Once per tick, both sides: takes in what was heard. True in the tick in which a new agreement

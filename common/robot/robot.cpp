@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/core/log.h"
 #include "common/map/block_codec.h"
@@ -12,6 +13,7 @@ namespace {
 
 constexpr double kBeaconPeriod_s = 0.3;
 constexpr double kKeepBlocks_s = 5;  // what a crash may take of the own map, when nobody was told
+constexpr double kWayUp_m = 0.6;     // lower than anybody flies for long
 constexpr double kFreshMate_s =
     0.5;  // DESIGN "Map and motion": returns fit a teammate heard within this
 
@@ -69,6 +71,7 @@ mission::StepOutput Robot::step(const mission::StepInput& input) {
 void Robot::keep(std::unique_ptr<store::Journal> journal) {
   journal_ = std::move(journal);
   if (journal_->epoch() == 0) return;
+  kept_ = true;
   knowledge_.restore(*journal_);
   log::info("goes on with {} records that its journal kept", knowledge_.store().size());
 }
@@ -93,7 +96,7 @@ void Robot::take_bus(const mission::StepInput& input) {
   for (const mission::Message& m : input.bus) {
     switch (m.cls) {
       case mission::MessageClass::kOdometry:
-        knowledge_.observe(dds::decode<mission::Odometry>(m));
+        find_itself(dds::decode<mission::Odometry>(m));
         break;
       case mission::MessageClass::kBattery:
         knowledge_.observe(dds::decode<mission::Battery>(m));
@@ -113,6 +116,21 @@ void Robot::take_bus(const mission::StepInput& input) {
     if (m.cls == mission::MessageClass::kSightings)
       strategy_->on_sightings(knowledge_, dds::decode<mission::Sightings>(m));
   }
+}
+
+/// Who starts away from its start without a map has flown before, and then come down where it is
+/// (RULES "Motion"): up there was room for it, a little at least, and from there it sees more.
+void Robot::find_itself(const mission::Odometry& odometry) {
+  knowledge_.observe(odometry);
+  const mission::Vehicle& vehicle = knowledge_.config().vehicle;
+  if (std::exchange(located_, true) || kept_ || vehicle.ground) return;
+  const mission::Mission& mission = knowledge_.mission();
+  const Vec3& p = odometry.pose.p;
+  if ((p - knowledge_.config().start.p).norm() < mission.free_ball_m) return;
+  const double voxel_m = mission.resolution_m;
+  const double around_m = vehicle.radius_m + mission.clearance_m + voxel_m;
+  for (double up_m = 0; up_m <= kWayUp_m; up_m += voxel_m)
+    knowledge_.map().insert_free_ball(p + up_m * Vec3::UnitZ(), around_m);
 }
 
 void Robot::take_scan(const mission::Scan& scan) {

@@ -35,6 +35,7 @@ class Robot : public mission::Process {
   const Executive& executive() const { return executive_; }
 
  private:
+  void find_itself(const mission::Odometry& odometry);
   void take_bus(const mission::StepInput& input);
   void take_air(const mission::StepInput& input);
   void take_scan(const mission::Scan& scan);
@@ -54,6 +55,8 @@ class Robot : public mission::Process {
   WholeMap whole_map_;
   radio::Pace pace_;
   std::unique_ptr<store::Journal> journal_;
+  bool kept_ = false;              // the journal knew of an earlier start
+  bool located_ = false;           // odometry was heard
   Bytes body_;                     // of a record that is on its way from the journal to the radio
   std::uint64_t kept_blocks_ = 0;  // cursor of the own map's changes
   SimTime keep_blocks_;

@@ -17,11 +17,12 @@ void check_of(sqlite3* db, int rc) {
 void Database::Close::operator()(sqlite3* db) const { sqlite3_close_v2(db); }
 void Database::Statement::Finalize::operator()(sqlite3_stmt* s) const { sqlite3_finalize(s); }
 
-Database::Database(const std::string& path) {
+Database::Database(const std::string& path, Duration patience) {
   sqlite3* db = nullptr;
   const int rc = sqlite3_open(path.c_str(), &db);
   db_.reset(db);
   check(rc);
+  check(sqlite3_busy_timeout(db, static_cast<int>(patience.us / 1000)));
 }
 
 void Database::check(int rc) const { check_of(db_.get(), rc); }

@@ -23,7 +23,8 @@ class Damaged : public Failure {
 /// One SQLite file. Errors are thrown as `Failure`, in SQLite's own words.
 class Database {
  public:
-  explicit Database(const std::string& path);
+  /// Where the file is locked by somebody else, its statements wait so long before they throw.
+  explicit Database(const std::string& path, Duration patience = {});
 
   void execute(const char* sql);
 

@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kVersion = 1;
 constexpr int kTryAgainAfter = 100;  // commits, that is about 10 s
+constexpr Duration kPatience{10'000'000};
 
 constexpr const char* kSchema = R"sql(
 CREATE TABLE journal(version INTEGER, robot INTEGER, epoch INTEGER);
@@ -142,8 +143,14 @@ void Journal::open(RobotId robot, Durability durability) {
   sql_ = std::make_unique<Statements>(db);
 }
 
+void Journal::lose(const std::string& path) {
+  std::error_code none;
+  for (const char* part : {"", "-wal", "-shm"}) std::filesystem::remove(path + part, none);
+}
+
 std::vector<RecordHeader> Journal::kept(const std::string& path) {
-  Database db(path);
+  // Its robot may be about to close it, which locks it for a moment.
+  Database db(path, kPatience);
   auto rows = db.prepare("SELECT robot, class, key, epoch, seq FROM records");
   std::vector<RecordHeader> headers;
   while (rows.step()) {

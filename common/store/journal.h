@@ -42,6 +42,8 @@ class Journal : private Bodies {
   static std::string path(const std::string& out, RobotId robot) {
     return out + "/state/" + std::to_string(robot.value) + ".db";
   }
+  /// A fault of a simulation, between two starts: the disk with the journal at `path` is gone.
+  static void lose(const std::string& path);
   /// What the journal at `path` holds, without taking it up: for who judges. Throws Failure.
   static std::vector<RecordHeader> kept(const std::string& path);
   /// Of the last start that was kept; 0: none was.

@@ -75,6 +75,13 @@ void Coverage::known(map::VoxelKey k) {
   if (inside && known_.insert(voxel_number(k)).second) ++covered_;
 }
 
+void Coverage::station_lost_all() {
+  for (auto& [voxel, covered] : surface_) covered = false;
+  known_.clear();
+  newest_.clear();
+  covered_ = 0;
+}
+
 double Coverage::share() const {
   if (total_ == 0) return 1;
   return std::min(1.0, static_cast<double>(covered_) / static_cast<double>(total_));

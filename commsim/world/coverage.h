@@ -15,7 +15,7 @@ namespace muster::world {
 /// `map_coverage` of RULES.md, from the map records that reached the station: of the surface voxels
 /// that count, the share that some record calls occupied, there or in one of the six voxels next to
 /// it (range noise moves a surface by one). With no surfaces that count: the share of the boxes'
-/// voxels that are known at all. Once covered, covered.
+/// voxels that are known at all. Once covered, covered, as long as the station's disk is.
 class Coverage {
  public:
   /// `surface`: centres of the observable surface voxels.
@@ -24,6 +24,8 @@ class Coverage {
   /// A record of class kMap. Throws BadInput when its bytes are no blocks.
   void received(const store::Record& record);
   double share() const;
+  /// The station holds nothing any more.
+  void station_lost_all();
   std::size_t total() const { return total_; }
 
  private:

@@ -136,8 +136,11 @@ std::optional<std::string> Flight::end_reason(std::uint64_t k, std::size_t alive
 }
 
 void Flight::robot_lost(RobotId robot, const std::string& how) {
-  lost_.push_back(
-      {{"robot", robot.value}, {"t_s", now_.decimal_s()}, {"how", how}, {"revived_s", nullptr}});
+  lost_.push_back({{"robot", robot.value},
+                   {"t_s", now_.decimal_s()},
+                   {"how", how},
+                   {"revived_s", nullptr},
+                   {"journal_lost", false}});
   activity_.erase(robot);
   gone_.insert(robot);
   if (robot == mission_.station()) station_lost_ = true;
@@ -147,8 +150,10 @@ void Flight::robot_lost(RobotId robot, const std::string& how) {
 void Flight::robot_back(RobotId robot) {
   gone_.erase(robot);
   for (nlohmann::json& lost : lost_) {
-    if (lost["robot"] == robot.value && lost["revived_s"].is_null())
-      lost["revived_s"] = now_.decimal_s();
+    if (lost["robot"] != robot.value || !lost["revived_s"].is_null()) continue;
+    const SimTime died = SimTime::from_s(lost["t_s"].get<double>());
+    lost["revived_s"] = now_.decimal_s();
+    lost["journal_lost"] = mission::lost_journal(mission_.script, robot, died, now_ + kTick);
   }
   if (robot == mission_.station()) station_lost_ = false;
   event({{"t_s", now_.s()}, {"event", "robot_back"}, {"robot", robot.value}});

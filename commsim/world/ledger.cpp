@@ -99,7 +99,8 @@ FeatureLedger::Receipt FeatureLedger::settle(RobotId by, Arrival& arrival, SimTi
     image.insert(image.end(), bytes.begin(), bytes.end());
   }
   arrival.payload.clear();
-  if (!given_to(by, arrival.features, hash_bytes(image))) {
+  const Given* given = given_to(by, arrival.features, hash_bytes(image));
+  if (!given) {
     receipt.violation = "robot " + robot_text(by) + " delivers an image the world never gave it";
     return receipt;
   }
@@ -108,6 +109,7 @@ FeatureLedger::Receipt FeatureLedger::settle(RobotId by, Arrival& arrival, SimTi
     if (e.delivered) continue;
     e.delivered = now;
     e.delivered_by = by;
+    e.delivered_look = given->at;
     ++delivered_;
     deliveries_.push_back(now);
     receipt.delivered.push_back(id);
@@ -115,18 +117,21 @@ FeatureLedger::Receipt FeatureLedger::settle(RobotId by, Arrival& arrival, SimTi
   return receipt;
 }
 
-std::vector<FeatureLedger::Redone> FeatureLedger::lost_with(RobotId robot) const {
+std::vector<FeatureLedger::Redone> FeatureLedger::lost_with(RobotId robot, SimTime until) const {
   std::map<FeatureId, Redone> lost;
   const auto own = given_.find(robot);
   if (own == given_.end()) return {};
   for (const Given& g : own->second) {
+    if (g.at >= until) break;
     for (const FeatureId id : g.features) {
-      if (entries_[id.value].delivered_by != robot) lost.try_emplace(id, Redone{id, g.at, {}});
+      const Entry& e = entries_[id.value];
+      if (e.delivered_by != robot || e.delivered_look >= until)
+        lost.try_emplace(id, Redone{id, g.at, {}});
     }
   }
   for (const auto& [other, answers] : given_) {
-    if (other == robot) continue;
     for (const Given& g : answers) {
+      if (other == robot && g.at < until) continue;
       for (const FeatureId id : g.features) {
         const auto it = lost.find(id);
         if (it == lost.end()) continue;
@@ -145,6 +150,16 @@ std::vector<FeatureLedger::Redone> FeatureLedger::lost_with(RobotId robot) const
   all.reserve(lost.size());
   for (const auto& [id, redone] : lost) all.push_back(redone);
   return all;
+}
+
+void FeatureLedger::station_lost_all() {
+  for (Entry& e : entries_) {
+    e.delivered.reset();
+    e.delivered_by = kNoRobot;
+  }
+  arrivals_.clear();
+  deliveries_.clear();
+  delivered_ = 0;
 }
 
 std::optional<SimTime> FeatureLedger::delivered_time(std::uint32_t count) const {

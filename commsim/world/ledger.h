@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -20,9 +21,12 @@ namespace muster::world {
 /// refused and reported.
 class FeatureLedger {
  public:
+  static constexpr SimTime kEver{std::numeric_limits<std::int64_t>::max()};
+
   struct Entry {
     std::optional<SimTime> sighted, inspected, delivered;
     RobotId sighted_by = kNoRobot, inspected_by = kNoRobot, delivered_by = kNoRobot;
+    SimTime delivered_look;  ///< when what was delivered had been inspected
   };
   struct AreaCounts {
     std::uint32_t real = 0, empty = 0, duplicate = 0;
@@ -43,15 +47,19 @@ class FeatureLedger {
   /// are no inspection.
   Receipt received(const store::Record& record, SimTime now);
 
-  /// What `robot` had inspected and what never reached the station from it: its work that was lost
-  /// with it. `again`: who inspected the feature later, if anybody did.
+  /// What `robot` had inspected before `until` and what never reached the station of that: its work
+  /// that was lost with it, or with its disk. `again`: who inspected the feature later, if anybody
+  /// did.
   struct Redone {
     FeatureId feature;
     SimTime inspected;
     std::optional<SimTime> again;
     RobotId again_by = kNoRobot;
   };
-  std::vector<Redone> lost_with(RobotId robot) const;
+  std::vector<Redone> lost_with(RobotId robot, SimTime until = kEver) const;
+
+  /// The station holds nothing any more: nothing is delivered until it is delivered anew.
+  void station_lost_all();
 
   const Entry& entry(std::size_t feature) const { return entries_[feature]; }
   std::size_t total() const { return entries_.size(); }

@@ -170,15 +170,15 @@ class LockstepRunner {
         flight().robot_lost(event.robot, "scripted");
         world().set_alive(event.robot, false);
       } else if (event.verb == "revive" && !lives) {
-        revive(event.robot);
+        revive(event.robot, event.journal_lost);
       }
     }
   }
 
   /// The clock stands until it is matched everywhere.
-  void revive(RobotId robot) {
+  void revive(RobotId robot, bool journal_lost) {
     barrier_.expect(robot);
-    control_.tell({{"revive", robot.value}});
+    control_.tell({{"revive", robot.value}, {"journal_lost", journal_lost}});
     barrier_.await_back(robot);
     flight().robot_back(robot);
     world().set_alive(robot, true);
@@ -193,7 +193,7 @@ class LockstepRunner {
   void restart_due(std::uint64_t k) {
     const std::map<RobotId, SimTime> back = back_;
     for (const auto& [robot, at] : back) {
-      if (at <= time_of_tick(k) && !barrier_.alive().contains(robot)) revive(robot);
+      if (at <= time_of_tick(k) && !barrier_.alive().contains(robot)) revive(robot, false);
     }
   }
 

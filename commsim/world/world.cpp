@@ -358,11 +358,11 @@ void World::set_alive(RobotId id, bool alive) {
   if (!alive) {
     robot->inspector.drop();
     robot->results.clear();
-    impl_->lost.push_back({id, impl_->now, std::nullopt});
+    impl_->lost.push_back({.robot = id, .at = impl_->now, .revived = {}});
     return;
   }
   for (Impl::Lost& l : impl_->lost) {
-    if (l.robot == id && !l.revived) l.revived = impl_->now;
+    if (l.robot == id && !l.revived) impl_->come_back(l);
   }
 }
 

@@ -43,7 +43,8 @@ class World {
   /// then 0.1 s of motion.
   void end_tick(std::uint64_t k, const std::vector<mission::Message>& commands);
 
-  /// A robot's process died or came back (between ticks).
+  /// A robot's process died or came back (between ticks); without its journal, if the script says
+  /// so: then what nobody else has is gone.
   void set_alive(RobotId robot, bool alive);
   /// The operator asks something of the station: part of its samples at the next tick.
   void operator_request(mission::RequestVerb verb, RobotId robot);

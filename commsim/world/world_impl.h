@@ -42,6 +42,7 @@ struct World::Impl {
     RobotId robot;
     SimTime at;
     std::optional<SimTime> revived;
+    bool journal = false;  ///< lost as well
   };
 
   Impl(const mission::Mission& mission, std::shared_ptr<const Scene> scene, FeatureSet features,
@@ -70,6 +71,7 @@ struct World::Impl {
   void event(const char* what, nlohmann::json details, SimTime at);
   void violation(const std::string& what);
   void record_answer(RobotId by, const InspectionCamera::Answer& answer);
+  void come_back(Lost& lost);
   nlohmann::json features_redone() const;
   bool home() const;
   bool all_landed() const;

@@ -75,16 +75,29 @@ bool World::Impl::all_landed() const {
          std::all_of(robots.begin(), robots.end(), [&](const Robot& r) { return parked(r); });
 }
 
-/// What was inspected by robots that died for good and never told: that had to be, or has to be,
-/// done again.
+void World::Impl::come_back(Lost& l) {
+  l.revived = now;
+  l.journal = mission::lost_journal(mission.script, l.robot, l.at, now + kTick);
+  if (!l.journal || l.robot != mission.station()) return;
+  ledger.station_lost_all();
+  coverage.station_lost_all();
+  covered_at.reset();
+}
+
+/// What was inspected by robots that died for good, or whose disk is lost, and never told: that had
+/// to be, or has to be, done again.
 nlohmann::json World::Impl::features_redone() const {
+  std::map<RobotId, SimTime> gone;  // and what of its work may be: all before
+  for (const Lost& l : lost) {
+    if (l.journal) gone[l.robot] = l.at;
+    if (!l.revived) gone[l.robot] = FeatureLedger::kEver;
+  }
   auto all = nlohmann::json::array();
-  for (const Robot& robot : robots) {
-    if (robot.alive) continue;
-    for (const FeatureLedger::Redone& r : ledger.lost_with(robot.config.id)) {
+  for (const auto& [robot, until] : gone) {
+    for (const FeatureLedger::Redone& r : ledger.lost_with(robot, until)) {
       all.push_back(
           {{"feature", r.feature.value},
-           {"lost_with", robot.config.id.value},
+           {"lost_with", robot.value},
            {"inspected_s", r.inspected.decimal_s()},
            {"again_s", seconds(r.again)},
            {"again_by", r.again ? nlohmann::json(r.again_by.value) : nlohmann::json(nullptr)}});

@@ -18,6 +18,7 @@
 #include "common/core/cpu_time.h"
 #include "common/core/error.h"
 #include "common/core/program.h"
+#include "common/store/journal.h"
 #include "commsim/world/flight.h"
 #include "deploy/muster/capture.h"
 #include "deploy/muster/child.h"
@@ -212,7 +213,10 @@ class Launcher {
       cpu_before_s_ = cpu_s();
     }
     if (message.contains("kill")) kill_robot(RobotId{message["kill"].get<std::uint32_t>()});
-    if (message.contains("revive")) revive_robot(RobotId{message["revive"].get<std::uint32_t>()});
+    if (message.contains("revive")) {
+      revive_robot(RobotId{message["revive"].get<std::uint32_t>()},
+                   message.value("journal_lost", false));
+    }
     if (message.contains("radio")) radio_summary_ = message["radio"];
     if (message.contains("failed")) {
       fail(message["failed"].get<std::string>(),
@@ -255,7 +259,8 @@ class Launcher {
     }
   }
 
-  void revive_robot(RobotId id) {
+  void revive_robot(RobotId id, bool journal_lost) {
+    if (journal_lost) store::Journal::lose(store::Journal::path(options_.out, id));
     tell("commsim", {{"expected", id.value}});
     start_robot(id);
   }

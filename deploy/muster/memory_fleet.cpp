@@ -60,6 +60,8 @@ void MemoryFleet::run_script() {
       waiting_.erase(event.robot);
       flight_.robot_lost(event.robot, "scripted");
     } else if (event.verb == "revive" && !lives) {
+      if (event.journal_lost && !out_.empty())
+        store::Journal::lose(store::Journal::path(out_, event.robot));
       start(event.robot);
       flight_.robot_back(event.robot);
     } else {

@@ -1,15 +1,42 @@
 #include "deploy/muster/run_options.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 
 #include "common/core/error.h"
 
 namespace muster::command {
+
+namespace {
+
+/// What a script asks for and nobody could do would seem to have been survived.
+void check_script(const std::vector<mission::ScriptedEvent>& script, const RunOptions& options) {
+  static constexpr std::array<std::string_view, 7> kWithoutRadio{
+      "hold", "resume", "return", "land", "abort", "drain", "blind"};
+  for (const mission::ScriptedEvent& e : script) {
+    const bool starts = e.verb == "kill" || e.verb == "revive";
+    if (starts && std::ranges::count(options.external, e.robot.value) > 0) {
+      throw BadInput(fmt::format(
+          "--external {0}: the script has a {1} of robot {0} at {2} s, but its process is yours to "
+          "start and to kill",
+          e.robot.value, e.verb, e.at.decimal_s()));
+    }
+    if (options.link == "direct" && std::ranges::find(kWithoutRadio, e.verb) == kWithoutRadio.end())
+      throw BadInput(fmt::format(
+          "--link direct: the mission's script has a {} at {} s, which needs --link radio", e.verb,
+          e.at.decimal_s()));
+  }
+}
+
+}  // namespace
 
 std::vector<std::string> RunOptions::overrides() const {
   std::vector<std::string> all = set;
@@ -52,6 +79,7 @@ void RunOptions::validate(const mission::Mission& mission) const {
       throw BadInput("--external: the mission has no robot " + std::to_string(id));
     }
   }
+  check_script(mission.script, *this);
   speed_factor();
 }
 

@@ -1,13 +1,17 @@
 #include "gcs/strategy/regions.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/route/allocate.h"
 
 namespace muster::gcs {
 
 Regions::Regions(const mission::Mission& mission)
-    : states_(mission.boxes.size(), mission::RegionState::kPending) {}
+    : states_(mission.boxes.size(), mission::RegionState::kPending) {
+  for (const RobotId explorer : mission.with_role(mission::Role::kExplorer))
+    groups_[explorer].explorer = explorer;
+}
 
 std::optional<RegionId> Regions::nearest_pending(const robot::Knowledge& k,
                                                  const Vec3& from) const {
@@ -21,22 +25,41 @@ std::optional<RegionId> Regions::nearest_pending(const robot::Knowledge& k,
   return best;
 }
 
+/// Every explorer says which region it works on, and its allocation names its inspectors.
+void Regions::leave_at_work(const robot::Knowledge& k) {
+  for (auto& [id, group] : groups_) {
+    const auto* health = k.health(id);
+    if (!health || health->body.regions.empty()) continue;
+    const RegionId region = health->body.regions.front().region;
+    if (region.value >= states_.size() || states_[region.value] != mission::RegionState::kPending)
+      continue;
+    group.region = region;
+    states_[region.value] = mission::RegionState::kAssigned;
+    const auto* crew = k.plan(id, mission::PlanKind::kAllocation);
+    if (!crew) continue;
+    for (const mission::Allocation& a : crew->body.allocations) {
+      if (a.area.author == kNoRobot && std::erase(orphans_, a.robot) > 0)
+        group.inspectors.push_back(a.robot);
+    }
+  }
+}
+
 void Regions::assign_all(robot::Knowledge& k) {
   std::vector<double> volumes;
   std::vector<RobotId> working;
-  for (const RobotId explorer : k.mission().with_role(mission::Role::kExplorer)) {
-    Group& group = groups_[explorer];
-    group.explorer = explorer;
-    if (const auto region = nearest_pending(k, k.mission().robot(explorer).start.p)) {
-      group.region = *region;
-      states_[region->value] = mission::RegionState::kAssigned;
-      volumes.push_back(k.mission().boxes[region->value].volume());
-      working.push_back(explorer);
-    } else {
-      group.released = true;
+  orphans_ = k.mission().with_role(mission::Role::kInspector);
+  leave_at_work(k);
+  for (auto& [explorer, group] : groups_) {
+    if (group.region == kNoRegion) {
+      group.region = nearest_pending(k, k.mission().robot(explorer).start.p).value_or(kNoRegion);
+      group.released = group.region == kNoRegion;
     }
+    if (group.released) continue;
+    states_[group.region.value] = mission::RegionState::kAssigned;
+    volumes.push_back(k.mission().boxes[group.region.value].volume());
+    working.push_back(explorer);
   }
-  const auto inspectors = k.mission().with_role(mission::Role::kInspector);
+  const auto inspectors = std::exchange(orphans_, {});
   const auto shares =
       route::share_inspectors(static_cast<std::uint32_t>(inspectors.size()), volumes);
   std::size_t next = 0;
@@ -51,8 +74,6 @@ bool Regions::resume(robot::Knowledge& k) {
   const auto* kept = k.plan(k.self(), mission::PlanKind::kAssignment);
   if (!kept) return false;
   orphans_ = k.mission().with_role(mission::Role::kInspector);
-  for (const RobotId explorer : k.mission().with_role(mission::Role::kExplorer))
-    groups_[explorer].explorer = explorer;
   for (const mission::Allocation& a : kept->body.allocations) {
     // What does not fit was kept of another mission.
     const RobotId explorer = a.leader == kNoRobot ? a.robot : a.leader;

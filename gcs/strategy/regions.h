@@ -25,7 +25,9 @@ class Regions {
     RegionId held = kNoRegion;  ///< while lost: what it was working on
   };
 
-  /// At the start: everybody gets something. Publishes the assignment record.
+  /// At the start: everybody gets something. A station that starts again and kept nothing leaves
+  /// everybody with what they say they work on, as far as it has heard. Publishes the assignment
+  /// record.
   void assign_all(robot::Knowledge& k);
   /// After a restart: takes up the assignment that an earlier start had published. False when there
   /// is none.
@@ -44,6 +46,7 @@ class Regions {
   mission::RegionState state(RegionId region) const { return states_[region.value]; }
 
  private:
+  void leave_at_work(const robot::Knowledge& k);
   void give(Group& group, const Vec3& from, const robot::Knowledge& k);
   void back(robot::Knowledge& k, Group& group);
   bool reinforce(const robot::Knowledge& k, Group& group);

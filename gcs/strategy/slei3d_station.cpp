@@ -16,8 +16,9 @@ constexpr double kTourEvery_s = 2;
 constexpr double kParkEvery_s = 3;
 constexpr double kRadioMargin_m = 1.5;  // parked so much closer than the radio reaches
 constexpr double kNotTooClose_m = 1.2;
-constexpr double kUnheard_m = 50;   // of way, that being heard is worth
-constexpr int kRungsUntilLost = 4;  // two agreed rungs and two standing ones
+constexpr double kUnheard_m = 50;    // of way, that being heard is worth
+constexpr double kBeginning_s = 10;  // of a mission: who starts later had started before
+constexpr int kRungsUntilLost = 4;   // two agreed rungs and two standing ones
 
 }  // namespace
 
@@ -27,14 +28,9 @@ Slei3dStation::Slei3dStation(const mission::Mission& mission, RobotId self) : re
 }
 
 robot::Intent Slei3dStation::decide(robot::Knowledge& k, const robot::Progress&) {
-  if (!assigned_) {
-    for (auto& [id, agreement] : agreements_) agreement.resume(k);
-    declared_ = k.declared_complete();
-    if (!regions_.resume(k)) regions_.assign_all(k);
-    assigned_ = true;
-  }
+  if (!assigned_) assigned_ = begin(k);
   meet(k);
-  count_missed(k);
+  if (assigned_) count_missed(k);
   if (!declared_ && regions_.all_done()) declare(k);
 
   robot::Intent intent;
@@ -67,6 +63,21 @@ robot::Intent Slei3dStation::decide(robot::Knowledge& k, const robot::Progress&)
   intent.reason = "to the meeting with explorer " + std::to_string(partner_->value) + " at " +
                   std::to_string(static_cast<int>(rung.from.s())) + " s";
   return intent;
+}
+
+/// Takes up what an earlier start left, or what somebody else knows of it; at the start of a
+/// mission there is nothing. False: nobody has told us yet.
+bool Slei3dStation::begin(robot::Knowledge& k) {
+  if (k.now() == k.started()) {
+    for (auto& [id, agreement] : agreements_) agreement.resume(k);
+  }
+  const bool told =
+      std::ranges::any_of(agreements_, [&](const auto& a) { return k.talked(a.first); });
+  declared_ = k.declared_complete();
+  if (regions_.resume(k)) return true;
+  if (k.started() > SimTime::from_s(kBeginning_s) && !told) return false;
+  regions_.assign_all(k);
+  return true;
 }
 
 void Slei3dStation::meet(robot::Knowledge& k) {

@@ -12,7 +12,8 @@ namespace muster::gcs {
 /// The station of SLEI3D (S0 IV-B4, IV-D): assigns boxes, drives to the agreed meetings in the
 /// order of a tour with time windows, waits there no longer than the window, collects maps and
 /// results, and declares the mission complete from its own records: every region done, every area
-/// known inspected, with its image here.
+/// known inspected, with its image here. One that is started again without its journal hears an
+/// explorer first, and then goes on from what that one knows.
 class Slei3dStation : public robot::Strategy {
  public:
   Slei3dStation(const mission::Mission& mission, RobotId self);
@@ -24,6 +25,7 @@ class Slei3dStation : public robot::Strategy {
   }
 
  private:
+  bool begin(robot::Knowledge& k);
   void meet(robot::Knowledge& k);
   void count_missed(robot::Knowledge& k);
   std::optional<RobotId> next_partner(robot::Knowledge& k);

@@ -66,6 +66,27 @@ TEST_CASE("options that contradict each other or the mission are refused") {
   CHECK_THROWS_AS(check("dds", "radio", "max", {77}, 0), BadInput);
 }
 
+TEST_CASE("a script that names what this run cannot do is refused before anything starts") {
+  mission::Mission mission = pagoda();
+  mission.script = {{SimTime::from_s(5), "drain", RobotId{3}},
+                    {SimTime::from_s(60), "kill", RobotId{3}}};
+  RunOptions options;
+  options.external = {4};
+  CHECK_NOTHROW(options.validate(mission));
+  options.external = {4, 3};
+  CHECK_THROWS_WITH(options.validate(mission),
+                    "--external 3: the script has a kill of robot 3 at 60 s, but its process is "
+                    "yours to start and to kill");
+  options.external.clear();
+  options.link = std::string("direct");
+  options.speed = std::string("1");
+  CHECK_THROWS_WITH(options.validate(mission),
+                    "--link direct: the mission's script has a kill at 60 s, which needs --link "
+                    "radio");
+  mission.script.pop_back();
+  CHECK_NOTHROW(options.validate(mission));
+}
+
 TEST_CASE("an output directory is made with its logs, and says whether it was there before") {
   const fs::path dir = fs::temp_directory_path() / ("muster_out_" + std::to_string(getpid()));
   fs::remove_all(dir);

@@ -104,6 +104,38 @@ TEST_CASE("what a newer start of its author voids may be gone, areas may not") {
   CHECK(lost(promises, {area(7, 1, 1)}) == 2);  // no newer start: the plan is missing as well
 }
 
+TEST_CASE("who was started again on a new disk is held to what it promised since") {
+  const fs::path dir = fs::temp_directory_path() / ("muster_newdisk_" + std::to_string(getpid()));
+  const std::string file = Journal::path(dir.string(), kB);
+  mission::Mission mission;
+  for (const RobotId id : {kA, kB}) mission.fleet.emplace_back().id = id;
+  const bool replaced = GENERATE(false, true);
+  mission.script = {{SimTime::from_s(0.1), "kill", kB}, {SimTime::from_s(0.2), "revive", kB}};
+  mission.script.back().journal_lost = replaced;
+  Relay relay(mission, [](const Vec3&, const Vec3&) { return true; });
+  relay.judge_journals_in(dir.string());
+  RecordStore store(kB, 1);
+  store.merge(dds::encode_record(area(1, 1), mission::Area{}));
+  Journal(file, kB, Journal::Durability::kProcess).commit(store);
+
+  mission::Truth truth;
+  truth.robots = {{kA, mission::VehicleState::kMoving, {}, Vec3::Zero()},
+                  {kB, mission::VehicleState::kMoving, {}, Vec3::Zero()}};
+  relay.step(truth, {{kA, {said(area(1, 1))}}, {kB, {promise(kB, store.digest())}}});
+  relay.set_alive(kB, false);
+  CHECK(relay.summary()["records_lost"]["count"] == 0);
+  truth.k = 1;
+  truth.time = SimTime::from_s(0.1);
+  relay.step(truth, {});
+  Journal::lose(file);
+  RecordStore fresh(kB, 2);
+  Journal(file, kB, Journal::Durability::kProcess).commit(fresh);
+  relay.set_alive(kB, true);
+  relay.finish();
+  CHECK(relay.summary()["records_lost"]["count"] == (replaced ? 0 : 1));
+  fs::remove_all(dir);
+}
+
 TEST_CASE("a record dropped from the journal of a robot that died is found, by whoever relays") {
   const fs::path dir = fs::temp_directory_path() / ("muster_promises_" + std::to_string(getpid()));
   const std::string file = Journal::path(dir.string(), kB);

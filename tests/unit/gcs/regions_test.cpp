@@ -109,6 +109,29 @@ TEST_CASE("a station that starts again takes up its assignment, and what is done
   CHECK_FALSE(after.groups().at(kExplorer).released);
 }
 
+TEST_CASE("a station that kept nothing leaves everybody with what they say they work on") {
+  mission::Mission mission = robot::small_mission();
+  mission.boxes = {Box::from_corners({2, -4, 0.3}, {6, 4, 6}),
+                   Box::from_corners({6, -4, 0.3}, {10, 4, 6})};
+  robot::Knowledge station(mission, RobotId{0}, 2), explorer(mission, kExplorer, 1);
+  mission::Status health;
+  health.kind = mission::StatusKind::kHealth;
+  health.regions = {{.region = RegionId{1}, .state = mission::RegionState::kAssigned}};
+  explorer.publish(store::RecordClass::kStatus, robot::kHealthKey, health);
+  mission::Plan crew;
+  crew.kind = mission::PlanKind::kAllocation;
+  crew.allocations = {{kInspector, kExplorer, RegionId{1}, {}}};
+  explorer.publish(store::RecordClass::kPlan, robot::plan_key(crew.kind), crew);
+  robot::pass(explorer, station, store::RecordClass::kStatus);
+  robot::pass(explorer, station, store::RecordClass::kPlan);
+  Regions regions(mission);
+  regions.assign_all(station);
+  CHECK(regions.groups().at(kExplorer).region == RegionId{1});
+  CHECK(regions.groups().at(kExplorer).inspectors == std::vector{kInspector});
+  CHECK(regions.state(RegionId{0}) == mission::RegionState::kPending);
+  CHECK(regions.state(RegionId{1}) == mission::RegionState::kAssigned);
+}
+
 TEST_CASE("a station without an assignment of its own has nothing to take up") {
   robot::Knowledge station(robot::small_mission(), RobotId{0}, 1);
   Regions regions(robot::small_mission());

@@ -38,6 +38,8 @@ TEST_CASE("each fault is told whom it hits, how hard and for how long") {
   CHECK(only(read("verb: drain, robot: 3, charge: 0.2")).value == 0.2);
   CHECK(only(read("verb: skew, robot: 3, by_s: -60")).value == -60);
   CHECK(only(read("verb: blind, for_s: 6")).robot == kNoRobot);
+  CHECK(only(read("verb: revive, robot: 3, journal: lost")).journal_lost);
+  CHECK_FALSE(only(read("verb: revive, robot: 3")).journal_lost);
   const Mission pause = read("verb: pause, robot: 2, for_s: 0.5");
   CHECK_FALSE(in_force(pause.script, "pause", RobotId{2}, at(4.9)));
   CHECK(in_force(pause.script, "pause", RobotId{2}, at(5)));
@@ -64,6 +66,10 @@ TEST_CASE("what a fault lacks or has too much of is told in one line") {
       {"at_s: 5, verb: loss, probability: 1.5, for_s: 1", ".probability: must be between 0 and 1"},
       {"at_s: 5, verb: drain, charge: -1", ".charge: must be between 0 and 1"},
       {"at_s: 5, verb: skew, by_s: 9999", ".by_s: must be between -3600 and 3600"},
+      {"at_s: 5, verb: revive, robot: 3, journal: torn",
+       ".journal: lost, or leave it out: then it was kept"},
+      {"at_s: 5, verb: kill, robot: 3, journal: lost",
+       ".journal: unknown key; known here: at_s, robot, verb"},
       {"at_s: 5, verb: loss, probability: 0.5, for_s: 1, robot: 3",
        ".robot: unknown key; known here: at_s, for_s, probability, verb"},
       {"verb: chaos, from_s: 9, until_s: 9, down_s: [1, 2]", ".until_s: must be after from_s"},
@@ -133,8 +139,9 @@ TEST_CASE("every kind of fault reads back from the effective mission as itself")
                   "  - {at_s: 3, verb: drain, charge: 0}\n"
                   "  - {at_s: 4, verb: full-disk, robot: 2, for_s: 6}\n"
                   "  - {at_s: 4.5, verb: skew, robot: 2, by_s: -60}\n"
+                  "  - {at_s: 4.7, verb: revive, robot: 2, journal: lost}\n"
                   "  - {verb: chaos, from_s: 5, until_s: 50, down_s: [1, 2]}\n");
-  CHECK(m.script.size() == 14);
+  CHECK(m.script.size() == 15);
   const std::string text = m.to_yaml();
   CHECK(folder.load(text).to_yaml() == text);
 }

@@ -52,6 +52,23 @@ TEST_CASE("a meeting is agreed on when the acknowledgement is heard in the same 
   CHECK_FALSE(p.at_station.update(p.station));  // nothing new
 }
 
+TEST_CASE("an explorer that lost its journal takes up what the station agreed with it before") {
+  Pair p;
+  p.time(0, true);
+  p.at_explorer.propose(p.explorer, p.ladder(60), RegionId{0});
+  p.exchange();
+  REQUIRE(p.at_station.update(p.station));
+  Knowledge blank(p.mission, RobotId{1}, 2);
+  blank.begin(at(5));
+  Agreement again(RobotId{1}, RobotId{0});
+  again.be_told(blank);
+  CHECK(again.number() == 0);
+  robot::pass(p.station, blank, store::RecordClass::kMeeting);
+  again.be_told(blank);
+  CHECK(again.number() == 1);
+  CHECK(again.next(blank).from == at(60));
+}
+
 TEST_CASE(
     "an acknowledgement that comes after the contact is void, and both meet at the standing rung") {
   Pair p;
@@ -65,6 +82,7 @@ TEST_CASE(
   robot::pass(p.station, p.explorer,
               store::RecordClass::kMeeting);  // a third robot brings it later
   CHECK_FALSE(p.at_explorer.update(p.explorer));
+  p.at_explorer.be_told(p.explorer);
   CHECK(p.at_explorer.number() == 0);
   p.time(200, false);
   CHECK(p.at_station.next(p.station).from == at(300));

@@ -104,3 +104,19 @@ TEST_CASE("what a whole map would cost grows with what is known, and is what Oct
   CHECK(static_cast<double>(then.octree) > 0.8 * (file - 200));
   CHECK(static_cast<double>(then.octree) <= file);
 }
+
+TEST_CASE("who starts away from its start, and knows nothing, knows the way up that it came down") {
+  const mission::Mission m = small_mission();
+  const bool away = GENERATE(false, true);
+  const Vec3 p = away ? Vec3(4, 3, 0.26) : Vec3(m.robot(kSelf).start.p);
+  Robot robot(m, kSelf, std::make_unique<Idle>(), 2);
+  mission::Odometry o;
+  o.pose.p = p;
+  mission::StepInput input{.tick = 1, .now = time_of_tick(1), .bus = {}, .air = {}};
+  input.bus.push_back(dds::encode(o));
+  robot.step(input);
+  const map::VoxelMap& map = robot.knowledge().map();
+  const Vec3 above = p + Vec3(0, 0, 0.4);
+  CHECK(map.traversable(above));
+  CHECK(map.traversable(Vec3(above + Vec3(0.6, 0, 0))) == !away);  // and no more than that
+}

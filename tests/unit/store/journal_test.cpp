@@ -6,10 +6,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "common/core/error.h"
 
@@ -259,6 +262,27 @@ TEST_CASE("a journal of another robot is refused, and left as it is") {
   CHECK_THROWS_WITH(Journal(folder.file(), kSelf, Journal::Durability::kProcess),
                     Catch::Contains("belongs to robot 2, not to 1"));
   CHECK(Journal(folder.file(), kOther, Journal::Durability::kProcess).epoch() == 3);
+}
+
+TEST_CASE("a journal whose robot is just closing it is judged when it is closed") {
+  const Folder folder;
+  RecordStore store(kSelf, 1);
+  write_own(store, RecordClass::kArea, 1);
+  Journal(folder.file(), kSelf, Journal::Durability::kProcess).commit(store);
+  auto closing = std::make_unique<Database>(folder.file());
+  closing->execute("PRAGMA locking_mode=EXCLUSIVE");
+  closing->execute("UPDATE journal SET epoch = 1");
+  CHECK_THROWS_WITH(Database(folder.file()).execute("SELECT * FROM records"),
+                    Catch::Contains("locked"));
+  std::atomic<bool> asked = false;
+  std::jthread closer([&] {
+    asked.wait(false);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // it has been found locked by now
+    closing.reset();
+  });
+  asked = true;
+  asked.notify_one();
+  CHECK(Journal::kept(folder.file()).size() == 1);
 }
 
 TEST_CASE("where nothing can be written there is no journal, and it says where") {

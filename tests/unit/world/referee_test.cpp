@@ -129,6 +129,39 @@ TEST_CASE("what somebody else had delivered from an earlier look need not be don
   CHECK(ledger.lost_with(gone).empty());
 }
 
+TEST_CASE("with its disk goes what a robot inspected before and nobody was told") {
+  FeatureLedger ledger(three_features());
+  const RobotId robot{3};
+  const auto told = found({0}, kImage), again = found({1}, {1, 1, 1});
+  ledger.answered(robot, told, SimTime::from_s(10));
+  for (const auto& record : records(robot, told)) ledger.received(record, SimTime::from_s(11));
+  ledger.answered(robot, found({1, 2}, kImage), SimTime::from_s(20));
+  ledger.answered(robot, again, SimTime::from_s(50));
+  for (const auto& record : records(robot, again)) ledger.received(record, SimTime::from_s(60));
+  ledger.answered(robot, found({0}, kImage), SimTime::from_s(70));
+  const auto lost = ledger.lost_with(robot, SimTime::from_s(30));
+  REQUIRE(lost.size() == 2);
+  CHECK(lost[0].feature == FeatureId{1});
+  CHECK(lost[0].again == SimTime::from_s(50));
+  CHECK(lost[0].again_by == robot);
+  CHECK(lost[1].feature == FeatureId{2});
+  CHECK_FALSE(lost[1].again);
+}
+
+TEST_CASE("what the station's disk took with it is delivered when it is told again") {
+  FeatureLedger ledger(three_features());
+  const auto look = found({0}, kImage);
+  ledger.answered(kInspector, look, SimTime::from_s(1));
+  const auto sent = records(kInspector, look);
+  for (const auto& record : sent) ledger.received(record, SimTime::from_s(2));
+  REQUIRE(ledger.count_delivered() == 1);
+  ledger.station_lost_all();
+  CHECK(ledger.count_delivered() == 0);
+  for (const auto& record : sent) ledger.received(record, SimTime::from_s(9));
+  CHECK(ledger.count_delivered() == 1);
+  CHECK(ledger.delivered_time(1) == SimTime::from_s(9));
+}
+
 TEST_CASE("areas are counted as true, false and duplicate") {
   FeatureLedger ledger(three_features());
   ledger.answered(kInspector, found({0}, kImage), {});
