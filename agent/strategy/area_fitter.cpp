@@ -116,12 +116,31 @@ void AreaFitter::review(robot::Knowledge& k, bool explored) {
   tell_apart(k);
   std::vector<std::pair<Seen, RegionId>> again;
   for (Fit& fit : fits_) {
-    if (fit.closed || !fit.ref || !k.inspected(*fit.ref)) continue;
+    if (fit.closed || !fit.ref) continue;
+    if (!k.inspected(*fit.ref)) {
+      if (news) drop_explained(k, fit);
+      continue;
+    }
     fit.closed = true;
     for (const Seen& seen : unexplained(k, fit)) again.push_back({seen, fit.area.region});
   }
   for (const auto& [seen, region] : again) add(k, seen, region);
   settle_doubts(k, over);
+}
+
+void AreaFitter::drop_explained(robot::Knowledge& k, Fit& fit) {
+  std::vector<Seen> left;
+  for (const Seen& seen : fit.seen) {
+    if (!log_.explained(seen)) left.push_back(seen);
+  }
+  if (left.size() == fit.seen.size() || (left.empty() && fit.area.sightings == 0)) return;
+  if (left.empty()) {
+    fit.area.sightings = 0;
+    k.publish(store::RecordClass::kArea, fit.ref->key, fit.area);
+    return;
+  }
+  fit.seen = std::move(left);
+  publish(k, fit);
 }
 
 /// Of sightings that are more likely of two features than of one: those of a feature that was found

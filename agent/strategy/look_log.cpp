@@ -11,7 +11,8 @@ namespace {
 // it would be three in a hundred, and each is a spot at which an inspector looks many times in
 // vain.
 constexpr double kOfIt_sigmas = 4;
-constexpr double kNothing_m = 0.5;  // around where nothing was found, by the rule
+constexpr double kBeside_sigmas = 2;  // a quarter of one feature's sightings are farther off
+constexpr double kNothing_m = 0.5;    // around where nothing was found, by the rule
 constexpr double kConcerned_m = 1.0;
 // Gain in log-likelihood that tells two sources from one: what the best split of noise gains grows
 // with the sightings. In a simulation 100 of one source gained 41 at most, 56 with both fitted.
@@ -128,20 +129,20 @@ bool LookLog::renew(const robot::Knowledge& k) {
   return true;
 }
 
-/// Can who looked along `towards` have sighted it, by where it was inspected from?
-bool LookLog::shows(const robot::Knowledge& k, Feature& feature, const Vec3& towards) {
+/// The chance that who looked along `towards` can have sighted it, by where it was inspected from.
+double LookLog::shows(const robot::Knowledge& k, Feature& feature, const Vec3& towards) {
   if (std::any_of(feature.from.begin(), feature.from.end(),
                   [&](const Vec3& from) { return from.dot(towards) > kPlainCos; }))
-    return true;
+    return 1;
   if (!feature.belief) {
     feature.belief = belief_at(k, feature.position, feature.from.front(), 0);
     for (const Vec3& from : feature.from) feature.belief->accept(from);
   }
-  return feature.belief->shows(towards) > kOtherSide;
+  return feature.belief->shows(towards);
 }
 
 void LookLog::explain(const robot::Knowledge& k, Look& look) {
-  const double near_m = kOfIt_sigmas * k.mission().sensing.sighting_sigma_m;
+  const double sigma_m = k.mission().sensing.sighting_sigma_m;
   std::vector<std::tuple<double, std::size_t, FeatureId>> pairs;
   for (std::size_t i = 0; i < look.seen.size(); ++i) {
     Entry& e = look.seen[i];
@@ -153,8 +154,9 @@ void LookLog::explain(const robot::Knowledge& k, Look& look) {
     const Vec3 towards = (look.sensor.p - p).normalized();
     for (auto& [id, feature] : features_) {
       const double off_m = (feature.position - p).norm();
-      if (off_m < near_m && e.other_than != id && shows(k, feature, towards))
-        pairs.emplace_back(off_m, i, id);
+      if (off_m > kOfIt_sigmas * sigma_m || e.other_than == id) continue;
+      const double least = off_m > kBeside_sigmas * sigma_m ? kOtherSideBeside : kOtherSide;
+      if (shows(k, feature, towards) > least) pairs.emplace_back(off_m, i, id);
     }
   }
   std::sort(pairs.begin(), pairs.end());

@@ -21,7 +21,8 @@ constexpr double kRetryUnexplored_s = 60;
 constexpr double kMisled = 0.2;
 constexpr double kRuledOut = 0.03;  // chance of a feature left: less is none
 constexpr double kSameSpot_m = 0.3;
-constexpr int kStrayLooks = 10, kManyStrayLooks = 24;
+constexpr int kStrayLooks = 10, kManyStrayLooks = 24, kManySureLooks = 96;
+constexpr std::uint32_t kSureSightings = 4;  // that no finding explains: something is there
 constexpr double kDoubted = 0.5, kHopeless = 0.1;
 constexpr double kAnswer_s = 0.6;  // after the hold
 constexpr int kLooksInARow = 3;
@@ -186,8 +187,8 @@ bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& r
       view_pose(k, k.areas().at(ref).area, effort.in_vain, effort.looks + effort.tries);
   // Beside a known feature refusals are no proof that there is another one: with no good look left,
   // what the others showed has to do.
-  const bool settled =
-      effort.open < kDoubted && explored(k, ref) && (!view || view->probability < kHopeless);
+  const bool settled = effort.open < kDoubted && !sure(k, ref) && explored(k, ref) &&
+                       (!view || view->probability < kHopeless);
   if (settled) {
     report_nothing(k, ref);
     return false;
@@ -214,6 +215,11 @@ bool Slei3dInspector::explored(const robot::Knowledge& k, const mission::AreaRef
   return p.region != k.areas().at(ref).area.region || p.state >= mission::RegionState::kExplored;
 }
 
+/// Sighted so often, by what no finding explains, that a refusal never says there is nothing.
+bool Slei3dInspector::sure(const robot::Knowledge& k, const mission::AreaRef& ref) {
+  return k.areas().at(ref).area.sightings >= kSureSightings;
+}
+
 /// It may have been a sighting of a feature that is known, and not be worth looking from
 /// everywhere: sighted once or twice where no spot to ask about is clear of known ones, so that
 /// refusals may be about them; or looked at in vain so often that the spot may be one that no
@@ -223,7 +229,7 @@ bool Slei3dInspector::may_be_stray(const robot::Knowledge& k, const mission::Are
   const Effort& effort = efforts_[ref];
   const int vain = effort.looks + effort.tries;
   if (!known_near(k, area.position) || !explored(k, ref)) return false;
-  return vain >= kManyStrayLooks ||
+  return vain >= (sure(k, ref) ? kManySureLooks : kManyStrayLooks) ||
          (vain >= kStrayLooks && area.sightings <= 2 && known_near(k, spot_to_ask(k, area)));
 }
 
@@ -238,7 +244,7 @@ void Slei3dInspector::give_up_pose(robot::Knowledge& k, bool refused) {
   ++(refused ? effort.looks : effort.tries);
   if (refused && known_near(k, asked_)) {
     effort.open *= 1 - (1 - kMisled) * view_.probability;
-    if (effort.open < kRuledOut) return report_nothing(k, ref);
+    if (effort.open < kRuledOut && !sure(k, ref)) return report_nothing(k, ref);
   }
   if (may_be_stray(k, ref)) return report_nothing(k, ref);
   if (!refused) postpone(k, ref);

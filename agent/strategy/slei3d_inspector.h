@@ -41,6 +41,7 @@ class Slei3dInspector : public robot::Strategy {
   void postpone(robot::Knowledge& k, const mission::AreaRef& ref);
   static std::vector<VainLook> looks_of_others(const robot::Knowledge& k,
                                                const mission::AreaRef& ref);
+  static bool sure(const robot::Knowledge& k, const mission::AreaRef& ref);
   bool may_be_stray(const robot::Knowledge& k, const mission::AreaRef& ref);
   static bool explored(const robot::Knowledge& k, const mission::AreaRef& ref);
   void report_nothing(robot::Knowledge& k, const mission::AreaRef& ref);

@@ -33,13 +33,15 @@ struct Life {
     be_at(explorer, s, {1, 0, 2});
     be_at(self, s, p);
   }
-  void give(const std::vector<Vec3>& places) {
+  void give(const std::vector<Vec3>& places, std::uint32_t sightings = 2) {
     mission::Plan plan;
     plan.kind = mission::PlanKind::kAllocation;
     plan.allocations = {{RobotId{2}, RobotId{1}, RegionId{0}, {}}};
     for (const Vec3& p : places) {
       const std::uint64_t key = explorer.store().new_key(store::RecordClass::kArea);
-      explorer.publish(store::RecordClass::kArea, key, area_at(p, p - 2 * Vec3::UnitX()));
+      mission::Area area = area_at(p, p - 2 * Vec3::UnitX());
+      area.sightings = sightings;
+      explorer.publish(store::RecordClass::kArea, key, area);
       plan.allocations.push_back({RobotId{2}, RobotId{1}, RegionId{0}, {RobotId{1}, key}});
     }
     explorer.publish(store::RecordClass::kPlan, robot::plan_key(plan.kind), plan);
@@ -101,23 +103,25 @@ TEST_CASE("a look that is not answered when the hold is over counts as refused")
   CHECK((again.goal.p - look.goal.p).norm() > 0.3);
 }
 
-TEST_CASE("beside a known feature, refusals of good looks close an area that has no other") {
-  Life l;
-  l.give({{5, 0, 2}, {5, 0.1, 2}});
-  l.decide();
-  l.answer(mission::InspectOutcome::kFound);
-  l.progress.inspected->found = {{FeatureId{1}, 0, {5, 0.05, 2}}};
-  l.decide();
-  REQUIRE(l.self.results().size() == 1);
-  for (int i = 0; i < 15 && l.self.results().size() == 1; ++i) {
-    l.time(10 + 6 * i);
-    l.progress = {};
+TEST_CASE("beside a known feature, refusals close an area, but not one that was sighted often") {
+  for (const bool often : {false, true}) {
+    Life l;
+    l.give({{5, 0, 2}, {5, 0.1, 2}}, often ? 12 : 2);
     l.decide();
-    l.answer(mission::InspectOutcome::kRefusedView);
+    l.answer(mission::InspectOutcome::kFound);
+    l.progress.inspected->found = {{FeatureId{1}, 0, {5, 0.05, 2}}};
     l.decide();
+    REQUIRE(l.self.results().size() == 1);
+    for (int i = 0; i < 15 && l.self.results().size() == 1; ++i) {
+      l.time(10 + 6 * i);
+      l.progress = {};
+      l.decide();
+      l.answer(mission::InspectOutcome::kRefusedView);
+      l.decide();
+    }
+    REQUIRE(l.self.results().size() == (often ? 1 : 2));
+    if (!often) CHECK_FALSE(l.self.results().rbegin()->second.inspection.found);
   }
-  REQUIRE(l.self.results().size() == 2);
-  CHECK_FALSE(l.self.results().rbegin()->second.inspection.found);
 }
 
 TEST_CASE("an area is looked at from elsewhere than a look there that named only what is known") {
