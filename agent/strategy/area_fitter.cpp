@@ -70,10 +70,11 @@ void AreaFitter::take(robot::Knowledge& k, const mission::Sightings& sightings, 
   }
 }
 
-/// Somebody else has made an area of it, or this explorer has, before it was started again.
+/// Somebody else has made an area of it, or this explorer has, before it was started again, and it
+/// waits for its inspector. (What was inspected explains sightings by what was found: LookLog.)
 bool AreaFitter::taken_up(const robot::Knowledge& k, const Vec3& p) const {
   return std::any_of(k.areas().begin(), k.areas().end(), [&](const auto& a) {
-    return (a.second.area.position - p).norm() < kSameArea_m &&
+    return !k.inspected(a.first) && (a.second.area.position - p).norm() < kSameArea_m &&
            std::none_of(fits_.begin(), fits_.end(), [&](const Fit& f) { return f.ref == a.first; });
   });
 }

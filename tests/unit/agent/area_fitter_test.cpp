@@ -123,6 +123,13 @@ TEST_CASE("an explorer that is started again makes no second area of what it had
   AreaFitter after;
   after.take(k, look({5, -3, 2}, {{5.1, 0, 2}, {7, 0, 2}}), kRegion);
   CHECK(k.areas().size() == 2);
+  // Once it is inspected, what was found says which sightings are of it, and a second one there is
+  // news.
+  inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5, 0, 2}});
+  AreaFitter later;
+  for (int i = 0; i < 2; ++i) later.take(k, look({5, -3, 2}, {{5.05, 0, 2}, {5.4, 0, 2}}), kRegion);
+  later.review(k, true);
+  CHECK(k.areas().size() == 3);
 }
 
 TEST_CASE("two sightings near each other in one look are two features") {
