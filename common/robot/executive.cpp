@@ -8,13 +8,6 @@
 namespace muster::robot {
 namespace {
 
-// An unheard body is remembered until the place is seen free again, or this long: what stands may
-// stand on when the camera turns away.
-constexpr double kObstacleLife_s = 5.0;
-constexpr double kObstacleSize_m = 0.4;    // returns this near each other are one body's
-constexpr double kFieldMargin_rad = 0.05;  // a body at the edge of the view may be half in it
-constexpr double kLidarPlane_m = 0.3;
-constexpr double kObstacleRadius_m = 0.3;
 constexpr double kRecheck_s = 0.2;
 constexpr double kRetry_s = 0.5;
 constexpr double kNoWay_s =
@@ -34,9 +27,8 @@ constexpr double kStepAsideAfter_s = 3.0;
 // there silent, and below and above the camera does not look.
 constexpr double kBeforeSomebody_m = 1.4;
 constexpr double kNextToGoal_m = 0.7;  // at the end of the way, this near: as near as it gets
-constexpr double kTaken_m = 0.6;  // a return this near a landing place, seen from above, takes it
-constexpr double kNeighbour_m = 0.9;  // what is nearer to a teammate's start is the teammate's
-constexpr int kLandingTries = 8;      // then it lands where it is, rather than hover until it falls
+constexpr double kNeighbour_m = 0.9;   // what is nearer to a teammate's start is the teammate's
+constexpr int kLandingTries = 8;  // then it lands where it is, rather than hover until it falls
 constexpr double kMoverMemory_s = 2.0;
 // Behind somebody who may brake at any time: its word takes a tick, our answer another one.
 constexpr Duration kReaction{300'000};
@@ -89,35 +81,6 @@ void Executive::on_inspected(const mission::Inspected& inspected) {
   progress_.inspected = inspected;
 }
 
-void Executive::on_unexplained(SimTime now, const std::vector<Vec3>& points) {
-  for (const Vec3& p : points) {
-    const auto near = std::find_if(obstacles_.begin(), obstacles_.end(),
-                                   [&](const Obstacle& o) { return (o.p - p).norm() < 0.2; });
-    if (near != obstacles_.end())
-      *near = {p, now + Duration::from_s(kObstacleLife_s)};
-    else
-      obstacles_.push_back({p, now + Duration::from_s(kObstacleLife_s)});
-  }
-}
-
-void Executive::on_seen(const map::VoxelMap& map, const map::RangeScan& scan,
-                        const std::vector<Vec3>& unexplained) {
-  std::erase_if(obstacles_, [&](const Obstacle& o) {
-    if (std::any_of(unexplained.begin(), unexplained.end(),
-                    [&](const Vec3& p) { return (p - o.p).norm() < kObstacleSize_m; }))
-      return false;
-    const Vec3 d = o.p - scan.sensor.p;
-    if (d.norm() > scan.range_m) return false;
-    const double bearing = std::abs(wrap_angle(std::atan2(d.y(), d.x()) - scan.sensor.yaw_rad));
-    const double above = std::abs(std::atan2(d.z(), d.head<2>().norm()) - scan.pitch_rad);
-    const bool lidar = scan.vfov_rad <= 0;
-    const bool in_view =
-        bearing < scan.hfov_rad / 2 - kFieldMargin_rad &&
-        (lidar ? std::abs(d.z()) < kLidarPlane_m : above < scan.vfov_rad / 2 - kFieldMargin_rad);
-    return in_view && map.line_of_sight(scan.sensor.p, o.p, true);
-  });
-}
-
 nav::State Executive::state(const Knowledge& k) const {
   const mission::Odometry& o = k.odometry();
   return {k.now(), o.pose.p, o.velocity_mps, o.pose.yaw_rad};
@@ -131,9 +94,7 @@ bool Executive::goes_first(const Knowledge& k, RobotId other) const {
 
 void Executive::look_around(Knowledge& k) {
   const SimTime now = k.now();
-  std::erase_if(obstacles_, [&](const Obstacle& o) { return o.until < now; });
-  obstacle_spheres_.clear();
-  for (const Obstacle& o : obstacles_) obstacle_spheres_.push_back({o.p, kObstacleRadius_m});
+  bodies_.forget(now);
   movers_.clear();
   for (const auto& [id, mate] : k.teammates()) {
     if ((now - mate.heard).s() > kMoverMemory_s) continue;
@@ -340,12 +301,12 @@ bool Executive::stay_safe(Knowledge& k, Commands& commands) {
     return false;
   }
   const bool due = k.map().revision() != checked_revision_ ||
-                   (now - checked_at_).s() >= kRecheck_s - 1e-9 || !obstacle_spheres_.empty();
+                   (now - checked_at_).s() >= kRecheck_s - 1e-9 || !bodies_.spheres().empty();
   if (!due) return true;
   checked_revision_ = k.map().revision();
   checked_at_ = now;
   const auto unsafe =
-      nav::check(trajectory_, now, k.map(), radius_m_, movers_, obstacle_spheres_, kFlyMargin_m);
+      nav::check(trajectory_, now, k.map(), radius_m_, movers_, bodies_.spheres(), kFlyMargin_m);
   if (!unsafe) return true;
 
   const double ahead_s = (unsafe->t - now).s();
@@ -364,7 +325,7 @@ bool Executive::stay_safe(Knowledge& k, Commands& commands) {
 
 /// Bodies that a way has to go round; the search adds our own body and clearance to them.
 std::vector<map::Sphere> Executive::parked(SimTime now) const {
-  std::vector<map::Sphere> spheres = obstacle_spheres_;
+  std::vector<map::Sphere> spheres = bodies_.spheres();
   for (map::Sphere& s : spheres) s.radius_m += kPlanMargin_m - kMapClearance_m;
   for (const nav::Mover& m : movers_) {
     if (m.announced.back().t > now + Duration::from_s(1)) continue;
@@ -462,7 +423,7 @@ bool Executive::fly(Knowledge& k, const nav::Path& whole, const Intent& intent,
     for (const double corner_m : kCorners_m) {
       nav::Trajectory t = nav::time_path(path, {state(k), yaw, scale}, limits_, corner_m);
       unsafe =
-          nav::check(t, k.now(), k.map(), radius_m_, movers_, obstacle_spheres_, kPlanMargin_m);
+          nav::check(t, k.now(), k.map(), radius_m_, movers_, bodies_.spheres(), kPlanMargin_m);
       if (!unsafe) {
         blocked_since_.reset();
         command(k, std::move(t), commands);
@@ -506,10 +467,7 @@ bool Executive::taken(const map::VoxelMap& map, const Vec3& p) const {
     }
   }
   ground_z = std::max(ground_z, lowest_z);  // depth noise reaches below the site
-  return top_z > ground_z + kRises_m ||
-         std::any_of(obstacles_.begin(), obstacles_.end(), [&](const Obstacle& o) {
-           return o.p.z() < p.z() + radius_m_ && (o.p - p).head<2>().norm() < kTaken_m;
-         });
+  return top_z > ground_z + kRises_m || bodies_.below(p, radius_m_);
 }
 
 /// Its own place is taken: the nearest one beside it that is nobody's.
@@ -525,7 +483,7 @@ void Executive::find_landing(Knowledge& k, const Intent& intent, Commands& comma
         return r.id != self_ && (r.start.p - spot).template head<2>().norm() < kNeighbour_m;
       });
       if (owned || taken(k.map(), spot) || !k.map().traversable(spot)) continue;
-      const auto found = k.paths().find(k.position(), spot, 0.1, obstacle_spheres_);
+      const auto found = k.paths().find(k.position(), spot, 0.1, bodies_.spheres());
       if (!found.path) continue;
       Intent beside = intent;
       beside.goal.p = spot;
@@ -551,7 +509,7 @@ void Executive::step_aside(Knowledge& k, Commands& commands) {
       const auto found = k.paths().find(k.position(), goal, 0.3);
       if (!found.path || found.path->length_m() > 2 * radius) continue;
       nav::Trajectory t = nav::time_path(*found.path, {state(k), std::nullopt, 1}, limits_);
-      if (nav::check(t, k.now(), k.map(), radius_m_, movers_, obstacle_spheres_, kPlanMargin_m))
+      if (nav::check(t, k.now(), k.map(), radius_m_, movers_, bodies_.spheres(), kPlanMargin_m))
         continue;
       aside_until_ = t.end() + Duration::from_s(goes_first(k, blocked_by_) ? 0.5 : 2.0);
       blocked_since_.reset();

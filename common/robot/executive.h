@@ -7,6 +7,7 @@
 #include "common/mission/messages.h"
 #include "common/nav/trajectory.h"
 #include "common/robot/knowledge.h"
+#include "common/robot/seen_bodies.h"
 #include "common/robot/strategy.h"
 
 namespace muster::robot {
@@ -36,12 +37,8 @@ class Executive {
 
   /// The world's answer to an inspection: shown in the next progress.
   void on_inspected(const mission::Inspected& inspected);
-  /// Returns of a scan that fit neither the map nor a teammate.
-  void on_unexplained(SimTime now, const std::vector<Vec3>& points);
-
-  /// What a scan saw through is no obstacle any more.
-  void on_seen(const map::VoxelMap& map, const map::RangeScan& scan,
-               const std::vector<Vec3>& unexplained);
+  /// To be told what the camera sees.
+  SeenBodies& bodies() { return bodies_; }
 
   const Progress& progress() const { return progress_; }
   const nav::Trajectory& trajectory() const { return trajectory_; }
@@ -49,11 +46,6 @@ class Executive {
   std::vector<mission::TimedPose> announcement(SimTime now) const;
 
  private:
-  struct Obstacle {
-    Vec3 p;
-    SimTime until;
-  };
-
   void forget_flight(const Knowledge& knowledge);
   void look_around(Knowledge& knowledge);
   void note_standing(SimTime now, const Teammate& mate);
@@ -101,8 +93,7 @@ class Executive {
   std::uint64_t checked_revision_ = 0;
   SimTime checked_at_;
   std::vector<nav::Mover> movers_;
-  std::vector<map::Sphere> obstacle_spheres_;
-  std::vector<Obstacle> obstacles_;
+  SeenBodies bodies_;
 
   std::vector<std::pair<map::Sphere, SimTime>> avoid_;  // unknown space that led nowhere
   Vec3 transit_from_ = Vec3::Zero();

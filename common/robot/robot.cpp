@@ -155,8 +155,8 @@ void Robot::take_scan(const mission::Scan& scan) {
   // own place, once occupied, would wall it in.
   knowledge_.map().insert_free_ball(scan.sensor.p, knowledge_.config().vehicle.radius_m);
   const std::vector<Vec3> unexplained = knowledge_.map().integrate(sweep, mates).unexplained;
-  executive_.on_seen(knowledge_.map(), sweep, unexplained);
-  executive_.on_unexplained(knowledge_.now(), unexplained);
+  executive_.bodies().see_through(knowledge_.map(), sweep, unexplained);
+  executive_.bodies().see(knowledge_.now(), unexplained);
   strategy_->on_scan(knowledge_, scan);
 }
 
