@@ -27,7 +27,6 @@ constexpr double kStop_s = 1;            // to look, beside the way
 constexpr std::size_t kLookedInto = 12;  // viewpoints of clusters, per decision
 constexpr double kUsedUp = 0.35;         // of its value at choice: on to the next
 constexpr double kComparable = 0.9;      // of the best rate: these are put in order
-constexpr double kSamePlace_m = 0.5;     // areas this near are one, asked for again
 constexpr std::uint32_t kNearest = 7;    // FIELD-NOTES: FF3E exact for at most 7 nearest clusters
 
 map::TargetConfig target_config(const mission::Mission& mission, const mission::Vehicle& vehicle) {
@@ -59,6 +58,11 @@ void Exploration::on_look(const robot::Knowledge& k, const mission::Sightings& s
   targets_.looked(sightings.sensor, sightings.pitch_rad);
   last_look_ = k.now();
   ++looks_;
+  std::vector<Vec3> sighted;
+  for (const mission::Sighting& s : sightings.seen) {
+    if (k.mission().boxes[region_.value].contains(s.position)) sighted.push_back(s.position);
+  }
+  patience_.look(sighted);
 }
 
 ViewPrice Exploration::price() const {
@@ -253,18 +257,6 @@ bool Exploration::choose(robot::Knowledge& k, double budget_s, const Vec3& meeti
   return true;
 }
 
-/// The places of the region's areas; one that was asked for again is one place.
-std::size_t Exploration::places_found(const robot::Knowledge& k) const {
-  std::vector<Vec3> places;
-  for (const auto& [ref, known] : k.areas()) {
-    const Vec3& p = known.area.position;
-    const bool asked_again =
-        std::ranges::any_of(places, [&](const Vec3& q) { return (p - q).norm() < kSamePlace_m; });
-    if (known.area.region == region_ && !asked_again) places.push_back(p);
-  }
-  return places.size();
-}
-
 std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot::Progress& progress,
                                                double budget_s, const Vec3& meeting,
                                                std::vector<mission::PlanningTime>& planning) {
@@ -278,8 +270,8 @@ std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot:
     }
     if (!worth_keeping(k, progress)) {
       goal_.reset();
-      patience_.weigh(looks_, places_found(k));
-      targets_.ask_for_sides(!patience_.exhausted());
+      // (On the way to frontiers the camera looks at much that it has seen.)
+      targets_.ask_for_sides(!patience_.exhausted() || targets_.frontier_m2() > 0);
       const bool due = scans_ != refreshed_scans_ && now >= refresh_again_;
       if (due) {
         refresh(k, false, planning);

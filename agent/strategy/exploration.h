@@ -48,7 +48,6 @@ class Exploration {
   ViewPrice price() const;
   bool worth_keeping(const robot::Knowledge& k, const robot::Progress& progress);
   bool used_up() const;
-  std::size_t places_found(const robot::Knowledge& k) const;
   void refresh(robot::Knowledge& k, bool thorough, std::vector<mission::PlanningTime>& planning);
   std::vector<Goal> candidates(robot::Knowledge& k);
   bool choose(robot::Knowledge& k, double budget_s, const Vec3& meeting,

@@ -2,24 +2,37 @@
 
 #include <catch2/catch.hpp>
 
-using muster::agent::LookPatience;
+using namespace muster;
+using agent::LookPatience;
+
+namespace {
+
+void look(LookPatience& patience, int times, const std::vector<Vec3>& sighted = {}) {
+  for (int i = 0; i < times; ++i) patience.look(sighted);
+}
+
+}  // namespace
 
 TEST_CASE("looking goes on for half as many looks as it took to find the last place") {
   LookPatience patience;
-  std::uint64_t looks = 0;
-  for (std::size_t places = 1; places <= 10; ++places) patience.weigh(looks += 40, places);
-  patience.weigh(looks + 200, 10);
+  for (int place = 1; place <= 10; ++place) {
+    look(patience, 39);
+    look(patience, 1, {{2.0 * place, 0, 2}});
+  }
+  look(patience, 200);
   CHECK_FALSE(patience.exhausted());
-  patience.weigh(looks + 201, 10);
+  look(patience, 1);
   CHECK(patience.exhausted());
-  patience.weigh(looks + 202, 11);  // somebody else found it
+  look(patience, 1, {{2.1, 0.2, 2}});  // noise
+  CHECK(patience.exhausted());
+  look(patience, 1, {{30, 0, 2}});
   CHECK_FALSE(patience.exhausted());
 }
 
 TEST_CASE("a box without anything to find is looked at for a while all the same") {
   LookPatience patience;
-  patience.weigh(60, 0);
+  look(patience, 60);
   CHECK_FALSE(patience.exhausted());
-  patience.weigh(61, 0);
+  look(patience, 1);
   CHECK(patience.exhausted());
 }
