@@ -119,7 +119,7 @@ void AreaFitter::review(robot::Knowledge& k, bool explored) {
   for (Fit& fit : fits_) {
     if (fit.closed || !fit.ref) continue;
     if (!k.inspected(*fit.ref)) {
-      if (news) drop_explained(k, fit);
+      if (news) count_unexplained(k, fit);
       continue;
     }
     fit.closed = true;
@@ -129,19 +129,13 @@ void AreaFitter::review(robot::Knowledge& k, bool explored) {
   settle_doubts(k, over);
 }
 
-void AreaFitter::drop_explained(robot::Knowledge& k, Fit& fit) {
-  std::vector<Seen> left;
-  for (const Seen& seen : fit.seen) {
-    if (!log_.explained(seen)) left.push_back(seen);
-  }
-  if (left.size() == fit.seen.size() || (left.empty() && fit.area.sightings == 0)) return;
-  if (left.empty()) {
-    fit.area.sightings = 0;
-    k.publish(store::RecordClass::kArea, fit.ref->key, fit.area);
-    return;
-  }
-  fit.seen = std::move(left);
-  publish(k, fit);
+/// (Its position stays the mean of all: without those nearest to a known feature it would be off.)
+void AreaFitter::count_unexplained(robot::Knowledge& k, Fit& fit) const {
+  const auto left = static_cast<std::uint32_t>(std::count_if(
+      fit.seen.begin(), fit.seen.end(), [&](const Seen& seen) { return !log_.explained(seen); }));
+  if (left == fit.area.sightings) return;
+  fit.area.sightings = left;
+  k.publish(store::RecordClass::kArea, fit.ref->key, fit.area);
 }
 
 /// Of sightings that are more likely of two features than of one: those of a feature that was found

@@ -26,9 +26,8 @@ namespace muster::agent {
 /// may lie within 0.5 m of each other, on two sides of a thin eave, say. So when a result comes in,
 /// every sighting of its area is held against it again; what it does not explain begins an area of
 /// its own, from the direction in which it was seen, at most twice. Sightings that fit two sources
-/// better than one are shared out between two areas. An area that waits for its inspector loses the
-/// sightings that the result of another explains; none left, it says so (`sightings` 0) and waits
-/// on.
+/// better than one are shared out between two areas. An area that waits for its inspector says how
+/// many of its sightings no result of another explains.
 class AreaFitter {
  public:
   /// Sightings inside `region`'s box (with a margin), or outside every box, are this explorer's
@@ -62,7 +61,7 @@ class AreaFitter {
   bool taken_up(const robot::Knowledge& knowledge, const Vec3& p) const;
   bool concerns_us(const robot::Knowledge& knowledge, const Fit& fit) const;
   std::vector<Seen> unexplained(const robot::Knowledge& knowledge, const Fit& fit) const;
-  void drop_explained(robot::Knowledge& knowledge, Fit& fit);
+  void count_unexplained(robot::Knowledge& knowledge, Fit& fit) const;
   void tell_apart(robot::Knowledge& knowledge);
   void settle_doubts(robot::Knowledge& knowledge, bool explored);
   static Pose squarest(const robot::Knowledge& knowledge, const Fit& fit);
