@@ -270,7 +270,8 @@ std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot:
     }
     if (!worth_keeping(k, progress)) {
       goal_.reset();
-      targets_.ask_for_sides(!patience_.exhausted());
+      // (On the way to frontiers the camera looks at much that it has seen.)
+      targets_.ask_for_sides(!patience_.exhausted() || targets_.frontier_m2() > 0);
       const bool due = scans_ != refreshed_scans_ && now >= refresh_again_;
       if (due) {
         refresh(k, false, planning);

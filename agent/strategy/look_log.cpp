@@ -11,7 +11,8 @@ namespace {
 // it would be three in a hundred, and each is a spot at which an inspector looks many times in
 // vain.
 constexpr double kOfIt_sigmas = 4;
-constexpr double kNothing_m = 0.5;  // around where nothing was found, by the rule
+constexpr double kBeside_sigmas = 2;  // a quarter of one feature's sightings are farther off
+constexpr double kNothing_m = 0.5;    // around where nothing was found, by the rule
 constexpr double kConcerned_m = 1.0;
 // Gain in log-likelihood that tells two sources from one: what the best split of noise gains grows
 // with the sightings. In a simulation 100 of one source gained 41 at most, 56 with both fitted.
@@ -154,7 +155,8 @@ void LookLog::explain(const robot::Knowledge& k, Look& look) {
     for (auto& [id, feature] : features_) {
       const double off_m = (feature.position - p).norm();
       if (off_m > kOfIt_sigmas * sigma_m || e.other_than == id) continue;
-      if (shows(k, feature, towards) > kOtherSide) pairs.emplace_back(off_m, i, id);
+      const double least = off_m > kBeside_sigmas * sigma_m ? kOtherSideBeside : kOtherSide;
+      if (shows(k, feature, towards) > least) pairs.emplace_back(off_m, i, id);
     }
   }
   std::sort(pairs.begin(), pairs.end());

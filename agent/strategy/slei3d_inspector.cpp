@@ -21,7 +21,7 @@ constexpr double kRetryUnexplored_s = 60;
 constexpr double kMisled = 0.2;
 constexpr double kRuledOut = 0.03;  // chance of a feature left: less is none
 constexpr double kSameSpot_m = 0.3;
-constexpr int kStrayLooks = 10, kManyStrayLooks = 24, kManySureLooks = 96;
+constexpr int kStrayLooks = 5, kManyStrayLooks = 24, kManySureLooks = 96;
 constexpr std::uint32_t kSureSightings = 4;  // that no finding explains: something is there
 constexpr double kDoubted = 0.5, kHopeless = 0.1;
 constexpr double kAnswer_s = 0.6;  // after the hold

@@ -198,6 +198,25 @@ TEST_CASE("a finding on one side of a thin wall explains nothing on the other") 
   CHECK(k.areas().rbegin()->second.area.normal.y() > 0.5);
 }
 
+TEST_CASE("a sighting off a finding from where it hardly shows is of another surface") {
+  const mission::Mission m = robot::small_mission();
+  // Where the wall ends, the other face is seen at a right angle to that of the finding.
+  const Vec3 end(5.3, 0.1, 2);
+  for (const bool off : {false, true}) {
+    Knowledge k(m, RobotId{1}, 1);
+    agent::reveal(k, {1, -5, 0.5}, {9, 5, 5},
+                  [&](const Vec3& p) { return p.y() > 0 && p.y() < 0.2 && p.x() < end.x(); });
+    AreaFitter fitter;
+    fitter.take(k, look({5, -3, 2}, {{5, 0, 2}}), kRegion);
+    inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5, 0, 2}});
+    fitter.review(k, false);
+    fitter.take(k, look({8, 0.3, 2}, {off ? end : Vec3(5.1, 0.05, 2)}), kRegion);
+    k.begin(SimTime::from_s(100));
+    fitter.review(k, true);
+    CHECK(k.areas().size() == (off ? 2 : 1));
+  }
+}
+
 TEST_CASE("an area says how many of its sightings the finding of another does not explain") {
   const mission::Mission m = robot::small_mission();
   for (const bool all : {false, true}) {
