@@ -103,6 +103,13 @@ void VoxelMap::insert_free_ball(const Vec3& center, double radius_m) {
   impl_->blocks.commit();
 }
 
+void VoxelMap::suppose_free_ball(const Vec3& center, double radius_m) {
+  for (const VoxelKey& k : ball(center, radius_m)) {
+    if (at(k) == Voxel::kUnknown) impl_->own.insert_free(k);
+  }
+  impl_->blocks.commit();
+}
+
 void VoxelMap::disbelieve_others(const Vec3& center, double radius_m) {
   for (const VoxelKey& k : ball(center, radius_m)) {
     if (at(k) == Voxel::kOccupied) impl_->own.insert_free(k);

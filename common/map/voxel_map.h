@@ -111,6 +111,8 @@ class VoxelMap {
 
   /// Known free around the start (RULES "What a robot may know").
   void insert_free_ball(const Vec3& center, double radius_m);
+  /// The same, only of what nobody knows anything of.
+  void suppose_free_ball(const Vec3& center, double radius_m);
   /// What others call occupied there and own scans have never measured is held free from now on.
   void disbelieve_others(const Vec3& center, double radius_m);
 

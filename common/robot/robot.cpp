@@ -14,6 +14,7 @@ namespace {
 constexpr double kBeaconPeriod_s = 0.3;
 constexpr double kKeepBlocks_s = 5;  // what a crash may take of the own map, when nobody was told
 constexpr double kWayUp_m = 0.6;     // lower than anybody flies for long
+constexpr double kWayOut_m = 1.0;
 constexpr double kFreshMate_s =
     0.5;  // DESIGN "Map and motion": returns fit a teammate heard within this
 
@@ -71,7 +72,6 @@ mission::StepOutput Robot::step(const mission::StepInput& input) {
 void Robot::keep(std::unique_ptr<store::Journal> journal) {
   journal_ = std::move(journal);
   if (journal_->epoch() == 0) return;
-  kept_ = true;
   knowledge_.restore(*journal_);
   log::info("goes on with {} records that its journal kept", knowledge_.store().size());
 }
@@ -118,19 +118,21 @@ void Robot::take_bus(const mission::StepInput& input) {
   }
 }
 
-/// Who starts away from its start without a map has flown before, and then come down where it is
-/// (RULES "Motion"): up there was room for it, a little at least, and from there it sees more.
+/// Who starts away from its start has flown before, and then come down where it is (RULES
+/// "Motion"): up there was room for it, a little at least, and from there it sees more. Its map may
+/// be lost, or not know the place.
 void Robot::find_itself(const mission::Odometry& odometry) {
   knowledge_.observe(odometry);
   const mission::Vehicle& vehicle = knowledge_.config().vehicle;
-  if (std::exchange(located_, true) || kept_ || vehicle.ground) return;
+  if (std::exchange(located_, true) || vehicle.ground) return;
   const mission::Mission& mission = knowledge_.mission();
   const Vec3& p = odometry.pose.p;
   if ((p - knowledge_.config().start.p).norm() < mission.free_ball_m) return;
+  if (!knowledge_.paths().confined(p, kWayOut_m)) return;
   const double voxel_m = mission.resolution_m;
   const double around_m = vehicle.radius_m + mission.clearance_m + voxel_m;
   for (double up_m = 0; up_m <= kWayUp_m; up_m += voxel_m)
-    knowledge_.map().insert_free_ball(p + up_m * Vec3::UnitZ(), around_m);
+    knowledge_.map().suppose_free_ball(p + up_m * Vec3::UnitZ(), around_m);
 }
 
 void Robot::take_scan(const mission::Scan& scan) {

@@ -55,7 +55,6 @@ class Robot : public mission::Process {
   WholeMap whole_map_;
   radio::Pace pace_;
   std::unique_ptr<store::Journal> journal_;
-  bool kept_ = false;              // the journal knew of an earlier start
   bool located_ = false;           // odometry was heard
   Bytes body_;                     // of a record that is on its way from the journal to the radio
   std::uint64_t kept_blocks_ = 0;  // cursor of the own map's changes

@@ -68,6 +68,24 @@ int parts_sent_on(const std::function<void(const std::string& journal)>& then) {
 
 }  // namespace
 
+TEST_CASE(
+    "a robot that starts where its map knows no way out supposes one upwards, and only there") {
+  const mission::Mission m = small_mission();
+  const Vec3 known = m.robot(kSelf).start.p, unknown = known + Vec3(0, 4, -0.7);
+  for (const Vec3& at : {known, unknown}) {
+    Robot robot(m, kSelf, std::make_unique<Idle>(), 1);
+    mission::Odometry odometry;
+    odometry.pose.p = at;
+    mission::StepInput input{.tick = 1, .now = time_of_tick(1), .bus = {}, .air = {}};
+    input.bus.push_back(dds::encode(odometry));
+    robot.step(input);
+    const map::VoxelMap& map = robot.knowledge().map();
+    const bool supposed = at == unknown;
+    CHECK((map.at(unknown + 0.5 * Vec3::UnitZ()) == map::Voxel::kFree) == supposed);
+    CHECK(map.at(unknown + 2 * Vec3::UnitZ()) == map::Voxel::kUnknown);
+  }
+}
+
 TEST_CASE("an image that is only on disk is passed on all the same") {
   CHECK(parts_sent_on([](const std::string&) {}) > 0);
 }
