@@ -131,8 +131,9 @@ void Robot::find_itself(const mission::Odometry& odometry) {
   if (!knowledge_.paths().confined(p, kWayOut_m)) return;
   const double voxel_m = mission.resolution_m;
   const double around_m = vehicle.radius_m + mission.clearance_m + voxel_m;
-  for (double up_m = 0; up_m <= kWayUp_m; up_m += voxel_m)
-    knowledge_.map().suppose_free_ball(p + up_m * Vec3::UnitZ(), around_m);
+  const int up = static_cast<int>(kWayUp_m / voxel_m);
+  for (int i = 0; i <= up; ++i)
+    knowledge_.map().suppose_free_ball(p + i * voxel_m * Vec3::UnitZ(), around_m);
 }
 
 void Robot::take_scan(const mission::Scan& scan) {
