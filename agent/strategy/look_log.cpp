@@ -11,8 +11,9 @@ namespace {
 // it would be three in a hundred, and each is a spot at which an inspector looks many times in
 // vain.
 constexpr double kOfIt_sigmas = 4;
-constexpr double kBeside_sigmas = 2;  // a quarter of one feature's sightings are farther off
-constexpr double kNothing_m = 0.5;    // around where nothing was found, by the rule
+constexpr double kBeside_sigmas = 2;  // a quarter of one feature's sightings are farther off: these
+constexpr double kOtherSideBeside = 0.5;  // are of it only where it is likelier than not to show
+constexpr double kNothing_m = 0.5;        // around where nothing was found, by the rule
 constexpr double kConcerned_m = 1.0;
 // Gain in log-likelihood that tells two sources from one: what the best split of noise gains grows
 // with the sightings. In a simulation 100 of one source gained 41 at most, 56 with both fitted.

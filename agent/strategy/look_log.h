@@ -15,8 +15,6 @@ namespace muster::agent {
 inline constexpr double kPlainCos = 0.5;
 /// The chance of showing itself to a sighter below which it is another surface that was sighted.
 inline constexpr double kOtherSide = 0.08;
-/// The same where the sighting is off by more than most are.
-inline constexpr double kOtherSideBeside = 0.5;
 
 /// A result with parts is the camera's answer; one without says that the inspector gave up.
 inline bool answered(const mission::Inspection& inspection) { return inspection.parts > 0; }

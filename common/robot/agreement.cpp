@@ -23,8 +23,9 @@ void Agreement::resume(const Knowledge& k) {
 }
 
 void Agreement::be_told(const Knowledge& k) {
+  if (number_ != 0) return;
   const auto* ack = k.meeting(partner_, self_, mission::MeetingKind::kAcknowledgement);
-  if (number_ == 0 && ack && ack->body.ack_epoch < k.epoch()) resume(k);
+  if (ack && ack->body.ack_epoch < k.epoch()) resume(k);
 }
 
 void Agreement::propose(Knowledge& k, std::vector<mission::Rung> ladder, RegionId region) {

@@ -24,6 +24,17 @@ class Idle : public Strategy {
   Intent decide(Knowledge&, const Progress&) override { return {}; }
 };
 
+/// A robot in its first tick, at `p`.
+std::unique_ptr<Robot> started_at(const mission::Mission& m, const Vec3& p) {
+  auto robot = std::make_unique<Robot>(m, kSelf, std::make_unique<Idle>(), 2);
+  mission::Odometry odometry;
+  odometry.pose.p = p;
+  mission::StepInput input{.tick = 1, .now = time_of_tick(1), .bus = {}, .air = {}};
+  input.bus.push_back(dds::encode(odometry));
+  robot->step(input);
+  return robot;
+}
+
 mission::Message beacon_of_newcomer(SimTime now, std::uint64_t n) {
   mission::Beacon b;
   b.envelope = {n, kNewcomer, mission::MessageClass::kBeacon, now};
@@ -73,13 +84,8 @@ TEST_CASE(
   const mission::Mission m = small_mission();
   const Vec3 known = m.robot(kSelf).start.p, unknown = known + Vec3(0, 4, -0.7);
   for (const Vec3& at : {known, unknown}) {
-    Robot robot(m, kSelf, std::make_unique<Idle>(), 1);
-    mission::Odometry odometry;
-    odometry.pose.p = at;
-    mission::StepInput input{.tick = 1, .now = time_of_tick(1), .bus = {}, .air = {}};
-    input.bus.push_back(dds::encode(odometry));
-    robot.step(input);
-    const map::VoxelMap& map = robot.knowledge().map();
+    const auto robot = started_at(m, at);
+    const map::VoxelMap& map = robot->knowledge().map();
     const bool supposed = at == unknown;
     CHECK((map.at(unknown + 0.5 * Vec3::UnitZ()) == map::Voxel::kFree) == supposed);
     CHECK(map.at(unknown + 2 * Vec3::UnitZ()) == map::Voxel::kUnknown);
@@ -127,13 +133,8 @@ TEST_CASE("who starts away from its start, and knows nothing, knows the way up t
   const mission::Mission m = small_mission();
   const bool away = GENERATE(false, true);
   const Vec3 p = away ? Vec3(4, 3, 0.26) : Vec3(m.robot(kSelf).start.p);
-  Robot robot(m, kSelf, std::make_unique<Idle>(), 2);
-  mission::Odometry o;
-  o.pose.p = p;
-  mission::StepInput input{.tick = 1, .now = time_of_tick(1), .bus = {}, .air = {}};
-  input.bus.push_back(dds::encode(o));
-  robot.step(input);
-  const map::VoxelMap& map = robot.knowledge().map();
+  const auto robot = started_at(m, p);
+  const map::VoxelMap& map = robot->knowledge().map();
   const Vec3 above = p + Vec3(0, 0, 0.4);
   CHECK(map.traversable(above));
   CHECK(map.traversable(Vec3(above + Vec3(0.6, 0, 0))) == !away);  // and no more than that
