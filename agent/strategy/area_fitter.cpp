@@ -43,12 +43,14 @@ bool beside_known(const robot::Knowledge& k, const Vec3& p) {
 }  // namespace
 
 Vec3 AreaFitter::Fit::mean() const {
+  if (seen.empty()) return area.position;
   Vec3 sum = Vec3::Zero();
   for (const Seen& s : seen) sum += s.sighting.position;
   return sum / static_cast<double>(seen.size());
 }
 
 Vec3 AreaFitter::Fit::towards() const {
+  if (seen.empty()) return area.normal;
   Vec3 sum = Vec3::Zero();
   for (const Seen& s : seen) sum += s.towards;
   return sum.normalized();
@@ -60,31 +62,67 @@ bool AreaFitter::Fit::seen_in(std::size_t look) const {
 
 void AreaFitter::take(robot::Knowledge& k, const mission::Sightings& sightings, RegionId region) {
   region_ = region;
+  for (const Seen& seen : news(k, sightings)) add(k, seen, region);
+}
+
+void AreaFitter::recall(robot::Knowledge& k) {
+  for (const auto& [ref, known] : k.areas()) {
+    if (ref.author != k.self() || k.inspected(ref)) continue;
+    Fit& fit = fits_.emplace_back();
+    fit.ref = ref;
+    fit.since = k.now();
+    fit.area = known.area;
+    fit.published = known.area.position;
+    fit.published_count = known.area.sightings;
+  }
+  for (const auto& [explored, look] : k.looks()) {
+    if (explored == kNoRegion) continue;
+    region_ = explored;
+    for (const Seen& seen : news(k, look)) {
+      Fit* fit = open_fit(k, seen);
+      if (!fit) fit = &begin(k, seen, explored);
+      fit->seen.push_back(seen);
+    }
+  }
+  std::erase_if(fits_, [](const Fit& fit) { return fit.seen.empty(); });
+}
+
+/// Sightings that are nobody's, and that nothing explains.
+std::vector<Seen> AreaFitter::news(const robot::Knowledge& k, const mission::Sightings& sightings) {
   std::vector<mission::Sighting> own;
   for (const mission::Sighting& s : sightings.seen) {
     if (!taken_up(k, s.position)) own.push_back(s);
   }
   log_.renew(k);
-  for (const Seen& seen : log_.take(k, sightings.sensor, own)) {
-    if (!asked_enough(k, seen.sighting.position)) add(k, seen, region);
-  }
+  std::vector<Seen> left = log_.take(k, sightings.sensor, own);
+  std::erase_if(left, [&](const Seen& seen) { return asked_enough(k, seen.sighting.position); });
+  return left;
 }
 
-/// Somebody else has made an area of it, or this explorer has, before it was started again, and it
-/// waits for its inspector. (What was inspected explains sightings by what was found: LookLog.)
+bool AreaFitter::has_fit(const mission::AreaRef& ref) const {
+  return std::any_of(fits_.begin(), fits_.end(), [&](const Fit& f) { return f.ref == ref; });
+}
+
+/// Somebody else has made an area of it, or this explorer has, at a start whose looks are lost, and
+/// it waits for its inspector. (What was inspected explains sightings by what was found: LookLog.)
 bool AreaFitter::taken_up(const robot::Knowledge& k, const Vec3& p) const {
   return std::any_of(k.areas().begin(), k.areas().end(), [&](const auto& a) {
     return !k.inspected(a.first) && (a.second.area.position - p).norm() < kSameArea_m &&
-           std::none_of(fits_.begin(), fits_.end(), [&](const Fit& f) { return f.ref == a.first; });
+           !has_fit(a.first);
   });
 }
 
 /// A false area close to a true one answers with the true one again and again; where several are
 /// close together there may be another.
 bool AreaFitter::asked_enough(const robot::Knowledge& k, const Vec3& p) const {
-  const auto asked = std::count_if(fits_.begin(), fits_.end(), [&](const Fit& f) {
-    return f.closed && (f.mean() - p).norm() < kSamePlace_m;
-  });
+  const auto here = [&](const Vec3& q) { return (q - p).norm() < kSamePlace_m; };
+  const auto earlier = [&](const auto& a) {  // by an earlier start
+    return a.first.author == k.self() && here(a.second.area.position) && k.inspected(a.first) &&
+           !has_fit(a.first);
+  };
+  const auto asked = std::count_if(k.areas().begin(), k.areas().end(), earlier) +
+                     std::count_if(fits_.begin(), fits_.end(),
+                                   [&](const Fit& f) { return f.closed && here(f.mean()); });
   if (asked <= kReviews) return false;
   std::set<FeatureId> beside;
   for (const auto& [ref, result] : k.results()) {
@@ -202,7 +240,8 @@ AreaFitter::Fit* AreaFitter::open_fit(const robot::Knowledge& k, const Seen& see
   double best_m = kSameArea_m;
   for (Fit& f : fits_) {
     const double d = (f.mean() - seen.sighting.position).norm();
-    const double spread = std::sqrt(1 + 1 / static_cast<double>(f.seen.size()));
+    const auto sightings = static_cast<double>(std::max<std::size_t>(f.seen.size(), 1));
+    const double spread = std::sqrt(1 + 1 / sightings);
     if (d > kOfMiddle_sigmas * k.mission().sensing.sighting_sigma_m * spread) continue;
     if (f.closed || (f.ref && k.inspected(*f.ref))) continue;
     if (d >= best_m || f.seen_in(seen.look)) continue;

@@ -37,11 +37,14 @@ class AreaFitter {
   /// Holds the areas whose results came in since the last call against their sightings; cheap when
   /// none did. `explored`: no more looks are to come that could settle a doubt.
   void review(robot::Knowledge& knowledge, bool explored);
+  /// Before all else, by who starts again: what the looks of earlier starts sighted belongs to the
+  /// areas that they began, is explained by results, or is in doubt again. Nothing is asked twice.
+  void recall(robot::Knowledge& knowledge);
 
  private:
   struct Fit {
     std::optional<mission::AreaRef> ref;  ///< none: not an area yet
-    std::vector<Seen> seen;
+    std::vector<Seen> seen;               ///< empty only while `recall` is at work
     SimTime since;
     mission::Area area;
     Vec3 published = Vec3::Zero();
@@ -53,11 +56,13 @@ class AreaFitter {
     bool seen_in(std::size_t look) const;
   };
 
+  std::vector<Seen> news(const robot::Knowledge& knowledge, const mission::Sightings& sightings);
   void add(robot::Knowledge& knowledge, const Seen& seen, RegionId region);
   Fit& begin(const robot::Knowledge& knowledge, const Seen& seen, RegionId region);
   Fit* open_fit(const robot::Knowledge& knowledge, const Seen& seen);
   bool doubtful(const robot::Knowledge& knowledge, const Seen& seen) const;
   bool asked_enough(const robot::Knowledge& knowledge, const Vec3& p) const;
+  bool has_fit(const mission::AreaRef& ref) const;
   bool taken_up(const robot::Knowledge& knowledge, const Vec3& p) const;
   bool concerns_us(const robot::Knowledge& knowledge, const Fit& fit) const;
   std::vector<Seen> unexplained(const robot::Knowledge& knowledge, const Fit& fit) const;

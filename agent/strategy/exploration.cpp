@@ -47,7 +47,21 @@ Exploration::Exploration(robot::Knowledge& k, RegionId region)
       vantages_(k.mission().boxes.at(region.value), k.map()),
       watched_(k.map().watch(k.mission().boxes.at(region.value))),
       look_period_s_(1 / k.mission().sensing.sighting_rate_hz),
-      last_look_(k.now()) {}
+      last_look_(k.now()) {
+  recall(k);
+}
+
+/// A surface that becomes known is credited with these looks as with later ones, and the patience
+/// goes on where it was. (What a look on nobody's behalf sighted is lost: it has to be seen again.)
+void Exploration::recall(const robot::Knowledge& k) {
+  const Box& box = k.mission().boxes[region_.value];
+  for (const auto& [explored, look] : k.looks()) {
+    const bool lost = explored == kNoRegion && !look.seen.empty();
+    if (!lost && box.distance(look.sensor.p) < k.mission().sensing.sighting_range_m)
+      targets_.looked(look.sensor, look.pitch_rad);
+    if (explored == region_) be_patient(k, look);
+  }
+}
 
 void Exploration::on_scan(const mission::Scan& scan) {
   targets_.scanned(scan.sensor);
@@ -58,6 +72,10 @@ void Exploration::on_look(const robot::Knowledge& k, const mission::Sightings& s
   targets_.looked(sightings.sensor, sightings.pitch_rad);
   last_look_ = k.now();
   ++looks_;
+  be_patient(k, sightings);
+}
+
+void Exploration::be_patient(const robot::Knowledge& k, const mission::Sightings& sightings) {
   std::vector<Vec3> sighted;
   for (const mission::Sighting& s : sightings.seen) {
     if (k.mission().boxes[region_.value].contains(s.position)) sighted.push_back(s.position);

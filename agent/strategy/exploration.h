@@ -12,7 +12,8 @@
 namespace muster::agent {
 
 /// Exploring one region: what is left to see (Targets), in which order (FF3E, Alg. 1 of S0,
-/// receding horizon), until nothing is.
+/// receding horizon), until nothing is. What the feature detector has looked at before counts: for
+/// another region, with the box in view, or for this one, earlier or by an earlier start.
 class Exploration {
  public:
   Exploration(robot::Knowledge& knowledge, RegionId region);
@@ -27,6 +28,7 @@ class Exploration {
     return knowledge.map().volume_m3(watched_);
   }
   const map::Targets& targets() const { return targets_; }
+  const LookPatience& patience() const { return patience_; }
 
   void on_scan(const mission::Scan& scan);
   void on_look(const robot::Knowledge& knowledge, const mission::Sightings& sightings);
@@ -45,6 +47,8 @@ class Exploration {
     bool cluster = false;  ///< a viewpoint of Targets, not only a place with a view
     bool surface = false;
   };
+  void recall(const robot::Knowledge& knowledge);
+  void be_patient(const robot::Knowledge& knowledge, const mission::Sightings& sightings);
   ViewPrice price() const;
   bool worth_keeping(const robot::Knowledge& k, const robot::Progress& progress);
   bool used_up() const;

@@ -13,7 +13,7 @@ namespace muster::agent {
 /// sighted come ever more rarely: when looks have shown no new one for half as long as it took to
 /// see all there are, what is left are voxels that hardly any pose shows, or only noise.
 ///
-/// Places are counted as they are sighted, not as areas are known: an explorer that starts again
+/// Places are counted as they are sighted, not as areas are known: an explorer whose looks are lost
 /// knows its areas, but not which surfaces it has looked at, and sees the places again on its way.
 class LookPatience {
  public:

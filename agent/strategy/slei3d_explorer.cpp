@@ -33,6 +33,7 @@ Slei3dExplorer::Slei3dExplorer(const mission::Mission& mission, RobotId self)
     : station_(mission.station()), agreement_(self, mission.station()) {}
 
 void Slei3dExplorer::on_sightings(robot::Knowledge& k, const mission::Sightings& sightings) {
+  k.keep_look(exploration_ ? exploration_->region() : kNoRegion, sightings);
   if (!exploration_) return;
   exploration_->on_look(k, sightings);
   fitter_.take(k, sightings, exploration_->region());
@@ -70,7 +71,10 @@ bool Slei3dExplorer::region_done(const robot::Knowledge& k) const {
 }
 
 robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress& progress) {
-  if (k.now() == k.started()) agreement_.resume(k);
+  if (k.now() == k.started()) {
+    agreement_.resume(k);
+    fitter_.recall(k);
+  }
   agreement_.be_told(k);
   follow(k, orders(k));
   const RegionId region = exploration_ ? exploration_->region() : kNoRegion;

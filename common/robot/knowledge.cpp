@@ -125,6 +125,14 @@ void Knowledge::restore(store::Journal& journal) {
   journal.restore_blocks([&](std::uint64_t, const Bytes& voxels) {
     for (const map::SaidBlock& block : map::decode_blocks(voxels)) map_.adopt_own(block);
   });
+  journal.restore_looks([&](RegionId explored, const Bytes& sightings) {
+    try {
+      keep_look(explored,
+                dds::decode<mission::Sightings>({mission::MessageClass::kSightings, sightings}));
+    } catch (const BadInput& bad) {
+      log::warn("a look that was kept is of no use: {}", bad.what());
+    }
+  });
 }
 
 void Knowledge::void_older(const store::Author& author) {

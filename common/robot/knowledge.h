@@ -36,6 +36,12 @@ struct ResultKnown {
   bool complete() const { return parts_held >= inspection.parts; }
 };
 
+/// One look of this robot's feature detector, also when it saw nothing.
+struct Look {
+  RegionId explored;  ///< on whose behalf; kNoRegion: nobody's, and nobody took what it sighted
+  mission::Sightings sightings;
+};
+
 /// A record's body beside its header, for bodies of which only the newest counts.
 template <class Body>
 struct Stated {
@@ -74,6 +80,9 @@ class Knowledge {
   const store::RecordStore& store() const { return store_; }
   store::Exchange& exchange() { return exchange_; }
   const store::Exchange& exchange() const { return exchange_; }
+
+  /// All looks so far, in order; those of earlier starts, too, as far as the journal kept them.
+  const std::vector<Look>& looks() const { return looks_; }
 
   // ---- teammates
   const std::map<RobotId, Teammate>& teammates() const { return teammates_; }
@@ -114,6 +123,10 @@ class Knowledge {
   void restore(store::Journal& journal);
   void observe(const mission::Odometry& odometry) { odometry_ = odometry; }
   void observe(const mission::Battery& battery) { battery_ = battery; }
+  /// Nothing that is told to anybody: for the strategy, and its next start.
+  void keep_look(RegionId explored, const mission::Sightings& sightings) {
+    looks_.push_back({explored, sightings});
+  }
   void hear(const mission::Beacon& beacon);
   /// Merges a record that arrived in envelope `n` of `from`; true when it was new.
   bool receive(RobotId from, std::uint64_t n, store::Record record);
@@ -142,6 +155,7 @@ class Knowledge {
   std::optional<SimTime> started_;
   mission::Odometry odometry_;
   mission::Battery battery_;
+  std::vector<Look> looks_;
   map::VoxelMap map_;
   nav::PathFinder paths_;
   store::RecordStore store_;

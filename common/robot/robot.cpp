@@ -73,7 +73,9 @@ void Robot::keep(std::unique_ptr<store::Journal> journal) {
   journal_ = std::move(journal);
   if (journal_->epoch() == 0) return;
   knowledge_.restore(*journal_);
-  log::info("goes on with {} records that its journal kept", knowledge_.store().size());
+  kept_looks_ = knowledge_.looks().size();
+  log::info("goes on with {} records and {} looks that its journal kept", knowledge_.store().size(),
+            kept_looks_);
 }
 
 /// Before what this tick has to say leaves the robot.
@@ -84,6 +86,10 @@ void Robot::commit() {
       journal_->keep_block(map::pack(b),
                            map::encode_blocks(std::array{knowledge_.map().own_block(b)}));
     keep_blocks_ = knowledge_.now() + Duration::from_s(kKeepBlocks_s);
+  }
+  for (; kept_looks_ < knowledge_.looks().size(); ++kept_looks_) {
+    const Look& look = knowledge_.looks()[kept_looks_];
+    journal_->keep_look(look.explored, dds::encode(look.sightings).cdr);
   }
   journal_->commit(knowledge_.store());
 }

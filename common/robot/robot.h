@@ -58,6 +58,7 @@ class Robot : public mission::Process {
   bool located_ = false;           // odometry was heard
   Bytes body_;                     // of a record that is on its way from the journal to the radio
   std::uint64_t kept_blocks_ = 0;  // cursor of the own map's changes
+  std::size_t kept_looks_ = 0;
   SimTime keep_blocks_;
   Intent intent_;
   std::uint64_t sent_n_ = 0;

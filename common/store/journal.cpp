@@ -21,6 +21,9 @@ CREATE TABLE streams(robot INTEGER, class INTEGER, epoch INTEGER, complete INTEG
                      PRIMARY KEY(robot, class, epoch)) WITHOUT ROWID;
 CREATE TABLE blocks(key INTEGER PRIMARY KEY, voxels BLOB);
 )sql";
+// Younger than the rest: there are journals of this version without it.
+constexpr const char* kLooks =
+    "CREATE TABLE IF NOT EXISTS looks(n INTEGER PRIMARY KEY, region INTEGER, sightings BLOB)";
 
 Bytes encode(const std::vector<SeqRange>& ranges) {
   Bytes bytes;
@@ -76,6 +79,7 @@ struct Journal::Statements {
                           "signature, bytes) VALUES(?,?,?,?,?,?,?,?)")),
         stream(db.prepare("INSERT OR REPLACE INTO streams VALUES(?,?,?,?,?)")),
         block(db.prepare("INSERT OR REPLACE INTO blocks VALUES(?,?)")),
+        look(db.prepare("INSERT INTO looks(region, sightings) VALUES(?,?)")),
         epoch(db.prepare("UPDATE journal SET epoch = ?")),
         body(db.prepare("SELECT bytes FROM records WHERE robot = ? AND class = ? AND key = ? AND "
                         "epoch = ? AND seq = ?")),
@@ -88,9 +92,9 @@ struct Journal::Statements {
   }
   /// Lets go of what is bound, so that nothing keeps the file busy.
   void reset() {
-    for (auto* s : {&record, &stream, &block, &epoch, &body, &void_older}) s->reset();
+    for (auto* s : {&record, &stream, &block, &look, &epoch, &body, &void_older}) s->reset();
   }
-  Database::Statement record, stream, block, epoch, body, void_older;
+  Database::Statement record, stream, block, look, epoch, body, void_older;
 };
 
 Journal::Journal(const std::string& path, RobotId robot, Durability durability) : path_(path) {
@@ -140,6 +144,7 @@ void Journal::open(RobotId robot, Durability durability) {
                    ", not to " + std::to_string(robot.value));
   epoch_ = whose.number(2);
   whose.reset();
+  db.execute(kLooks);
   sql_ = std::make_unique<Statements>(db);
 }
 
@@ -189,10 +194,20 @@ void Journal::restore_blocks(const std::function<void(std::uint64_t, const Bytes
   while (rows.step()) take(rows.number(0), rows.blob(1));
 }
 
+void Journal::restore_looks(const std::function<void(RegionId, const Bytes&)>& take) {
+  auto rows = db_->prepare("SELECT region, sightings FROM looks ORDER BY n");
+  while (rows.step()) take(RegionId{static_cast<std::uint32_t>(rows.number(0))}, rows.blob(1));
+}
+
 void Journal::keep_block(std::uint64_t key, Bytes voxels) { blocks_[key] = std::move(voxels); }
 
+void Journal::keep_look(RegionId explored, Bytes sightings) {
+  looks_.emplace_back(explored, std::move(sightings));
+}
+
 bool Journal::has_news(const RecordStore& store) const {
-  return store.version() != written_.version || store.epoch() != written_.epoch || !blocks_.empty();
+  return store.version() != written_.version || store.epoch() != written_.epoch ||
+         !blocks_.empty() || !looks_.empty();
 }
 
 void Journal::read(const RecordHeader& h, Bytes& into) const {
@@ -213,6 +228,7 @@ void Journal::commit(RecordStore& store) {
     if (disk_full_) throw Failure("database or disk is full");
     db_->execute("COMMIT");
     blocks_.clear();
+    looks_.clear();
     for (const Record* record : fresh_) store.kept(*record, *this);
     if (!works_) log::info("journal {}: written again, and up to date", path_);
     works_ = true;
@@ -253,6 +269,8 @@ void Journal::write(const RecordStore& store) {
   written_.voided = voided;
   write_streams(store);
   for (const auto& [key, voxels] : blocks_) sql_->block.with(key, voxels).step();
+  for (const auto& [explored, sightings] : looks_)
+    sql_->look.with(explored.value, sightings).step();
   sql_->reset();
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/core/bytes.h"
@@ -55,8 +56,13 @@ class Journal : private Bodies {
   /// Own map blocks, as `keep_block` was given them.
   void restore_blocks(const std::function<void(std::uint64_t key, const Bytes&)>& take);
 
+  /// Looks, as `keep_look` was given them, in that order.
+  void restore_looks(const std::function<void(RegionId explored, const Bytes& sightings)>& take);
+
   /// Own map evidence that nobody was told of yet; part of the next commit.
   void keep_block(std::uint64_t key, Bytes voxels);
+  /// One look of the own feature detector; part of the next commit. `explored`: on whose behalf.
+  void keep_look(RegionId explored, Bytes sightings);
   /// Everything that changed in `store` since the last commit, in one transaction. Never throws.
   void commit(RecordStore& store);
   /// False while the disk refuses.
@@ -77,8 +83,10 @@ class Journal : private Bodies {
   std::unique_ptr<Database> db_;
   std::unique_ptr<Statements> sql_;
   std::uint64_t epoch_ = 0;
-  std::map<std::uint64_t, Bytes> blocks_;  ///< waiting for the next commit
-  std::vector<const Record*> fresh_;       ///< written, but not committed yet
+  // Waiting for the next commit.
+  std::map<std::uint64_t, Bytes> blocks_;
+  std::vector<std::pair<RegionId, Bytes>> looks_;
+  std::vector<const Record*> fresh_;  ///< written, but not committed yet
 
   /// How far the file is.
   struct Written {

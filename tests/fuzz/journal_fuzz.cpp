@@ -32,6 +32,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     store::RecordStore records(RobotId{1}, journal.epoch() + 1);
     journal.restore(records, [](const store::Record&) {});
     journal.restore_blocks([](std::uint64_t, const Bytes&) {});
+    journal.restore_looks([](RegionId, const Bytes&) {});
+    journal.keep_look(RegionId{0}, {1});
     journal.commit(records);
   } catch (const BadInput&) {
     // Somebody else's, or of another version.

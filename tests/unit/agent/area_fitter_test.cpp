@@ -32,6 +32,18 @@ void inspect(Knowledge& k, const mission::AreaRef& ref, const Vec3& from,
   k.publish(store::RecordClass::kInspection, robot::result_key(ref), i);
 }
 
+/// As `AreaFitter::take`, by who keeps its looks.
+void take(Knowledge& k, AreaFitter& fitter, const mission::Sightings& sightings) {
+  k.keep_look(kRegion, sightings);
+  fitter.take(k, sightings, kRegion);
+}
+
+AreaFitter started_again(Knowledge& k) {
+  AreaFitter fitter;
+  fitter.recall(k);
+  return fitter;
+}
+
 }  // namespace
 
 TEST_CASE("sightings near each other from one side are one area, from two sides two") {
@@ -130,6 +142,59 @@ TEST_CASE("an explorer that is started again makes no second area of what it had
   for (int i = 0; i < 2; ++i) later.take(k, look({5, -3, 2}, {{5.05, 0, 2}, {5.4, 0, 2}}), kRegion);
   later.review(k, true);
   CHECK(k.areas().size() == 3);
+}
+
+TEST_CASE("an explorer that is started again with its looks goes on with its areas and doubts") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  AreaFitter before;
+  for (int i = 0; i < 2; ++i) take(k, before, look({5, -3, 2}, {{5, 0, 2}}));
+  take(k, before, look({5, -3, 2}, {{5.6, 0, 2}}));  // in doubt
+  REQUIRE(k.areas().size() == 1);
+  const auto first = [&]() -> const mission::Area& { return k.areas().begin()->second.area; };
+  const std::uint64_t told = k.store().version();
+
+  k.begin(SimTime::from_s(10));
+  AreaFitter after = started_again(k);
+  after.review(k, false);
+  CHECK(k.store().version() == told);
+  for (int i = 0; i < 2; ++i) take(k, after, look({5, -3, 2}, {{5.04, 0, 2}}));
+  REQUIRE(k.areas().size() == 1);
+  CHECK(first().sightings == 4);
+  CHECK((first().position - Vec3(5.02, 0, 2)).norm() < 0.01);
+  k.begin(SimTime::from_s(60));
+  after.review(k, false);
+  REQUIRE(k.areas().size() == 2);
+  CHECK((k.areas().rbegin()->second.area.position - Vec3(5.6, 0, 2)).norm() < 0.01);
+}
+
+TEST_CASE("a result that comes after a restart is held against what was sighted before it") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  AreaFitter before;
+  for (int i = 0; i < 3; ++i) take(k, before, look({5, -3, 2}, {{5, 0, 2}, {5.17, 0, 2}}));
+  REQUIRE(k.areas().size() == 2);
+  AreaFitter after = started_again(k);
+  for (const auto& [ref, known] : std::map(k.areas())) inspect(k, ref, {5, -2, 2}, {{5, 0, 2}});
+  after.review(k, false);
+  REQUIRE(k.areas().size() == 3);
+  CHECK((k.areas().rbegin()->second.area.position - Vec3(5.17, 0, 2)).norm() < 0.01);
+}
+
+TEST_CASE("however often an explorer starts again, what no finding explains is asked a few times") {
+  const mission::Mission m = robot::small_mission();
+  Knowledge k(m, RobotId{1}, 1);
+  AreaFitter fitter;
+  for (int i = 0; i < 2; ++i) take(k, fitter, look({5, -3, 2}, {{5, 0, 2}, {5.5, 0, 2}}));
+  for (int i = 0; i < 8; ++i) {
+    for (const auto& [ref, known] : std::map(k.areas())) {
+      if (!k.inspected(ref)) inspect(k, ref, {5, -2, 2}, {{5, 0, 2}});
+    }
+    fitter = started_again(k);
+    k.begin(SimTime::from_s(100.0 * (i + 1)));
+    fitter.review(k, true);
+  }
+  CHECK(k.areas().size() == 4);
 }
 
 TEST_CASE("two sightings near each other in one look are two features") {

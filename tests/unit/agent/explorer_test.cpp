@@ -57,3 +57,31 @@ TEST_CASE("an explorer with orders that agreed on no meeting leaves for the next
   CHECK(b.to_standing_place(intent));
   CHECK(intent.activity == mission::Activity::kMeeting);
 }
+
+TEST_CASE("an explorer that starts again with its looks goes on with what it sighted, each once") {
+  Blank b;
+  mission::Sightings look;
+  look.sensor.p = {5, -3, 2};
+  look.seen = {{{5, 0, 2}, 0, 0, 0}};
+  b.at(100);
+  b.explorer.on_sightings(b.k, look);
+  b.hear_orders();
+  b.at(101);
+  b.explorer.on_sightings(b.k, look);
+  REQUIRE(b.k.looks().size() == 2);
+  CHECK(b.k.looks()[0].explored == kNoRegion);
+  CHECK(b.k.looks()[1].explored == RegionId{0});
+  REQUIRE(b.k.areas().size() == 1);
+
+  robot::Knowledge again(b.mission, kSelf, 3);
+  for (const auto& [explored, sightings] : b.k.looks()) again.keep_look(explored, sightings);
+  robot::pass(b.k, again, store::RecordClass::kArea);
+  robot::pass(b.station, again, store::RecordClass::kPlan);
+  Slei3dExplorer explorer(b.mission, kSelf);
+  be_at(again, 200, {5, 3, 1.2});
+  explorer.on_sightings(again, look);  // before it follows any orders
+  explorer.decide(again, {});
+  explorer.on_sightings(again, look);
+  REQUIRE(again.areas().size() == 1);
+  CHECK(again.areas().begin()->second.area.sightings == 2);
+}

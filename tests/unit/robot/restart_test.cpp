@@ -6,6 +6,7 @@
 
 #include "common/dds/map_block.h"
 #include "common/map/block_codec.h"
+#include "common/robot/robot.h"
 #include "tests/unit/robot/fixtures.h"
 
 using namespace muster;
@@ -19,8 +20,12 @@ struct Folder {
   fs::path dir = fs::temp_directory_path() / fmt::format("muster_restart_{}", getpid());
 };
 
+std::string journal_file(const Folder& folder, RobotId robot) {
+  return store::Journal::path(folder.dir, robot);
+}
+
 store::Journal journal(const Folder& folder, RobotId robot) {
-  return {store::Journal::path(folder.dir, robot), robot, store::Journal::Durability::kProcess};
+  return {journal_file(folder, robot), robot, store::Journal::Durability::kProcess};
 }
 
 mission::Area area_at(const Vec3& p) {
@@ -29,7 +34,66 @@ mission::Area area_at(const Vec3& p) {
   return area;
 }
 
+/// Explores the first region all the time.
+struct Looking : Strategy {
+  void on_sightings(Knowledge& k, const mission::Sightings& s) override {
+    k.keep_look(RegionId{0}, s);
+  }
+  Intent decide(Knowledge&, const Progress&) override { return {}; }
+};
+
+mission::Sightings look(double x_m, std::vector<mission::Sighting> seen) {
+  mission::Sightings look;
+  look.sensor = {{x_m, 0, 1}, 0.5};
+  look.pitch_rad = 0.1;
+  look.seen = std::move(seen);
+  return look;
+}
+
 }  // namespace
+
+TEST_CASE("a robot that starts again has the looks of all its earlier starts, in order, once") {
+  const Folder folder;
+  const mission::Mission m = small_mission();
+  const RobotId explorer{1};
+  for (int start = 1; start <= 3; ++start) {
+    Robot robot(m, explorer, std::make_unique<Looking>(), static_cast<std::uint64_t>(start));
+    robot.keep(std::make_unique<store::Journal>(journal_file(folder, explorer), explorer,
+                                                store::Journal::Durability::kProcess));
+    mission::StepInput input{.tick = 1, .now = time_of_tick(1), .bus = {}, .air = {}};
+    input.bus = {dds::encode(look(start, {{{4, 1, 2}, 3, 2, 1}})), dds::encode(look(-start, {}))};
+    robot.step(input);
+    const std::vector<Look>& looks = robot.knowledge().looks();
+    REQUIRE(looks.size() == 2 * static_cast<std::size_t>(start));
+    for (int i = 1; i <= start; ++i) {
+      const auto& [explored, kept] = looks[2 * static_cast<std::size_t>(i - 1)];
+      CHECK(explored == RegionId{0});
+      CHECK(kept.sensor.p == Vec3(i, 0, 1));
+      CHECK(kept.sensor.yaw_rad == 0.5);
+      CHECK(kept.pitch_rad == 0.1);
+      REQUIRE(kept.seen.size() == 1);
+      CHECK(kept.seen[0].position == Vec3(4, 1, 2));
+    }
+  }
+}
+
+TEST_CASE("a kept look that cannot be read is left out") {
+  const Folder folder;
+  const mission::Mission m = small_mission();
+  const RobotId explorer{1};
+  {
+    Knowledge before(m, explorer, 1);
+    auto file = journal(folder, explorer);
+    file.keep_look(RegionId{0}, {1, 2, 3});
+    file.keep_look(RegionId{0}, dds::encode(look(1, {})).cdr);
+    file.commit(before.store());
+  }
+  auto file = journal(folder, explorer);
+  Knowledge after(m, explorer, 2);
+  after.restore(file);
+  REQUIRE(after.looks().size() == 1);
+  CHECK(after.looks()[0].sightings.sensor.p == Vec3(1, 0, 1));
+}
 
 TEST_CASE("a robot that starts again knows what it knew: areas, results, its own map") {
   const Folder folder;

@@ -66,6 +66,17 @@ RecordStore restored(const std::string& path) {
   return store;
 }
 
+using Looks = std::vector<std::pair<RegionId, Bytes>>;
+
+Looks looks(const std::string& path) {
+  Looks kept;
+  Journal(path, kSelf, Journal::Durability::kProcess)
+      .restore_looks([&](RegionId explored, const Bytes& sightings) {
+        kept.emplace_back(explored, sightings);
+      });
+  return kept;
+}
+
 bool same(const RecordStore& a, const RecordStore& b) {
   const auto equal = [](const DigestEntry& x, const DigestEntry& y) {
     return x.author == y.author && x.cls == y.cls && x.complete == y.complete &&
@@ -225,6 +236,39 @@ TEST_CASE("own map evidence is kept, the newest of each block") {
   Journal(folder.file(), kSelf, Journal::Durability::kProcess)
       .restore_blocks([&](std::uint64_t key, const Bytes& voxels) { blocks[key] = voxels; });
   CHECK(blocks == std::map<std::uint64_t, Bytes>{{3, {2}}, {5, {3}}});
+}
+
+TEST_CASE("looks are kept once each, in the order in which they came") {
+  const Folder folder;
+  const RegionId region{2};
+  {
+    Journal journal(folder.file(), kSelf, Journal::Durability::kProcess);
+    RecordStore store(kSelf, 1);
+    journal.keep_look(region, {3, 1});
+    journal.commit(store);
+    journal.set_disk_full(true);
+    journal.keep_look(kNoRegion, {2});
+    journal.commit(store);
+    CHECK(looks(as_killed(folder.file(), folder.file("killed.db"))) == Looks{{region, {3, 1}}});
+    journal.set_disk_full(false);
+    while (!journal.works()) journal.commit(store);
+    journal.keep_look(region, {1});
+    journal.commit(store);
+  }
+  CHECK(looks(folder.file()) == Looks{{region, {3, 1}}, {kNoRegion, {2}}, {region, {1}}});
+}
+
+TEST_CASE("a journal from before looks were kept is gone on with") {
+  const Folder folder;
+  RecordStore store(kSelf, 1);
+  write_own(store, RecordClass::kArea, 1);
+  Journal(folder.file(), kSelf, Journal::Durability::kProcess).commit(store);
+  Database(folder.file()).execute("DROP TABLE looks");
+  Journal journal(folder.file(), kSelf, Journal::Durability::kProcess);
+  CHECK(journal.epoch() == 1);
+  journal.keep_look(RegionId{0}, {1});
+  journal.commit(store);
+  CHECK(looks(as_killed(folder.file(), folder.file("killed.db"))).size() == 1);
 }
 
 TEST_CASE("a damaged journal is put aside, whole, and a new one begun") {

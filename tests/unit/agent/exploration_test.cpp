@@ -1,0 +1,97 @@
+#include "agent/strategy/exploration.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "tests/unit/agent/place.h"
+
+using namespace muster;
+using namespace muster::agent;
+using robot::Knowledge;
+
+namespace {
+
+constexpr RegionId kWest{0}, kEast{1};
+
+/// Two boxes side by side and a cliff through both, all of it known.
+struct Site {
+  Site() {
+    be_at(k, 1, {-1, -3, 2});
+    reveal(k, {-5, -6, 0.3}, {5, 5, 4.5}, [](const Vec3& p) { return p.y() > 0; });
+  }
+  static mission::Sightings look(double x_m, const std::vector<Vec3>& at = {}) {
+    mission::Sightings s;
+    s.sensor = {{x_m, -2.5, 2}, std::numbers::pi / 2};
+    for (const Vec3& p : at) s.seen.push_back({p, 0, 0, 0});
+    return s;
+  }
+  /// What is still owed to `region` by who begins with it now.
+  double owed_m2(RegionId region) {
+    Exploration exploration(k, region);
+    return owed_m2(exploration);
+  }
+  double owed_m2(Exploration& exploration) {
+    mission::Scan scan;
+    scan.sensor.p = k.position();
+    exploration.on_scan(scan);
+    std::vector<mission::PlanningTime> planning;
+    exploration.next(k, {}, std::numeric_limits<double>::infinity(), {}, planning);
+    return exploration.targets().owed_surface_m2();
+  }
+
+  mission::Mission mission = two_boxes();
+  Knowledge k{mission, RobotId{1}, 1};
+
+ private:
+  static mission::Mission two_boxes() {
+    mission::Mission m = robot::small_mission();
+    m.boxes = {Box::from_corners({-4, -4, 0.3}, {0, 4, 4}),
+               Box::from_corners({0, -4, 0.3}, {4, 4, 4})};
+    return m;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("an exploration begun again owes the surface and has the patience of the one before") {
+  Site site;
+  const double all_m2 = site.owed_m2(kWest);
+  Exploration before(site.k, kWest);
+  const auto look = [&](const mission::Sightings& s) {
+    site.k.keep_look(kWest, s);
+    before.on_look(site.k, s);
+  };
+  for (int i = 0; i < 40; ++i) look(Site::look(-2.5 + 0.01 * i));
+  look(Site::look(-2, {{-2, 0, 2}}));
+  for (int i = 0; i < 60; ++i) look(Site::look(-20));  // far away looks are in vain, too
+  const double left_m2 = site.owed_m2(before);
+  CHECK(left_m2 < 0.8 * all_m2);
+  CHECK(left_m2 > 0.1 * all_m2);
+  CHECK(site.owed_m2(kWest) == left_m2);
+
+  Exploration after(site.k, kWest);
+  CHECK_FALSE(after.patience().exhausted());
+  before.on_look(site.k, Site::look(-2));
+  after.on_look(site.k, Site::look(-2));
+  CHECK(before.patience().exhausted());
+  CHECK(after.patience().exhausted());
+}
+
+TEST_CASE("a look on behalf of another region counts for what it showed of this one") {
+  Site site;
+  const double all_m2 = site.owed_m2(kEast);
+  for (int i = 0; i < 200; ++i) site.k.keep_look(kWest, Site::look(-0.5, {{1, 0, 2}}));
+  const Exploration east(site.k, kEast), west(site.k, kWest);
+  CHECK(site.owed_m2(kEast) < all_m2);
+  CHECK(west.patience().exhausted());
+  CHECK_FALSE(east.patience().exhausted());
+}
+
+TEST_CASE("a look on nobody's behalf counts where it sighted nothing that would be lost") {
+  Site site;
+  const double all_m2 = site.owed_m2(kWest);
+  for (int i = 0; i < 2; ++i) site.k.keep_look(kNoRegion, Site::look(-2, {{-2, 0, 2}}));
+  CHECK(site.owed_m2(kWest) == all_m2);
+  for (int i = 0; i < 2; ++i) site.k.keep_look(kNoRegion, Site::look(-2));
+  CHECK(site.owed_m2(kWest) < all_m2);
+}
