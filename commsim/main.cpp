@@ -26,8 +26,10 @@ void listen(LineChannel& control, dds::RadioLockstep& radio) {
   while (const auto line = control.read_line()) {
     const auto message = nlohmann::json::parse(*line);
     if (message.contains("dead")) radio.lost(RobotId{message["dead"].get<std::uint32_t>()});
-    if (message.contains("expected"))
-      radio.expected(RobotId{message["expected"].get<std::uint32_t>()});
+    if (message.contains("expected")) {
+      radio.expected(RobotId{message["expected"].get<std::uint32_t>()},
+                     message["life"].get<dds::Life>());
+    }
   }
 }
 

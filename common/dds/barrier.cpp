@@ -1,9 +1,10 @@
 #include "common/dds/barrier.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <stdexcept>
-#include <thread>
+#include <utility>
 
 namespace muster::dds {
 
@@ -49,10 +50,31 @@ ParticipantConfig participant_config(const BarrierConfig& config, std::uint32_t 
   return all;
 }
 
-mission::Done ready() {
+namespace {
+
+std::string of_life(const std::string& partition, Life life) {
+  return life == kFirstLife ? partition : partition + "." + std::to_string(life);
+}
+
+}  // namespace
+
+std::string bus_partition(RobotId robot, Life life) { return of_life(bus_partition(robot), life); }
+std::string down_partition(RobotId robot, Life life) {
+  return of_life(down_partition(robot), life);
+}
+
+mission::Done ready(const Lives& lives) {
   mission::Done done;
   done.k = kReady;
+  for (const auto& [robot, life] : lives)
+    done.deliveries.push_back({.process = robot, .bus = life, .air = life});
   return done;
+}
+
+Lives lives_in(const mission::Done& ready) {
+  Lives lives;
+  for (const mission::Expect& e : ready.deliveries) lives[e.process] = e.air;
+  return lives;
 }
 
 void WriterSet::add(Participant& participant, mission::MessageClass cls,
@@ -73,11 +95,15 @@ bool WriterSet::matched(int readers) const {
                      [&](const Entry& e) { return e.writer->matched() >= readers; });
 }
 
-void WriterSet::abandon() {
-  std::vector<std::jthread> going;
-  for (Entry& entry : writers_) going.emplace_back([&entry] { entry.writer.reset(); });
-  going.clear();
-  writers_.clear();
+void Undertaker::bury(WriterSet&& writers) {
+  std::erase_if(going_, [](const auto& writer) {
+    return writer.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  });
+  for (WriterSet::Entry& entry : writers.writers_) {
+    going_.push_back(std::async(std::launch::async,
+                                [writer = std::move(entry.writer)]() mutable { writer.reset(); }));
+  }
+  writers.writers_.clear();
 }
 
 void ReaderSet::add(Participant& participant, mission::MessageClass cls,

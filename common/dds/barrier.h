@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <future>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -58,12 +60,23 @@ inline constexpr mission::MessageClass kCommandClasses[] = {mission::MessageClas
                                                             mission::MessageClass::kInspect,
                                                             mission::MessageClass::kCharge};
 
+/// Which start of a robot its process is. Nobody tells the middleware that a process was killed, so
+/// what listened in a former life stays matched. Hence what is meant for a robot goes to partitions
+/// of its present life: it is matched when that one listens, and nothing is kept for the dead.
+using Life = std::uint32_t;
+inline constexpr Life kFirstLife = 1;
+using Lives = std::map<RobotId, Life>;
+std::string bus_partition(RobotId robot, Life life);   // "bus.<id>", then "bus.<id>.2", …
+std::string down_partition(RobotId robot, Life life);  // "down.<id>", then "down.<id>.2", …
+
 /// `Done.k` of a robot that is still working on its tick: where planning takes long (50 robots on
 /// two cores), it is not missing.
 inline constexpr std::uint64_t kBusy = kReady - 1;
 
-/// "I am matched": what a process says until the clock starts.
-mission::Done ready();
+/// "I am matched": what a process says until the clock starts, and with whom, in `deliveries`: a
+/// robot its own life, the radio the lives it has opened a way to.
+mission::Done ready(const Lives& lives = {});
+Lives lives_in(const mission::Done& ready);
 
 ParticipantConfig participant_config(const BarrierConfig& config, std::uint32_t domain,
                                      std::uint32_t participant);
@@ -94,17 +107,25 @@ class WriterSet {
   void write(const mission::Message& message) const;
   /// Every writer has at least `readers`.
   bool matched(int readers) const;
-  /// Whoever listened is dead. A writer goes only after a second when something is not acknowledged
-  /// (Cyclone's linger duration), so they go side by side: one after the other would keep everybody
-  /// else waiting for longer than silence may last.
-  void abandon();
 
  private:
+  friend class Undertaker;
   struct Entry {
     mission::MessageClass cls;
     std::unique_ptr<Writer> writer;
   };
   std::vector<Entry> writers_;
+};
+
+/// Ends the writers to whom nobody listens any more. A writer goes only after a second when
+/// something is not acknowledged (Cyclone's linger duration). Nobody else waits for that: a dozen
+/// dead at once would keep the rest waiting for longer than a tick may take.
+class Undertaker {
+ public:
+  void bury(WriterSet&& writers);
+
+ private:
+  std::vector<std::future<void>> going_;
 };
 
 /// One reader per topic for one partition (or pattern).

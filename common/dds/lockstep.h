@@ -7,7 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <set>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -25,7 +25,7 @@ class RobotLockstep {
  public:
   using Step = std::function<mission::StepOutput(const mission::StepInput&)>;
 
-  RobotLockstep(const BarrierConfig& config, RobotId self, bool station);
+  RobotLockstep(const BarrierConfig& config, RobotId self, bool station, Life life = kFirstLife);
   ~RobotLockstep();
 
   /// Steps until the world ends the run; returns its reason. Throws WorldEnded when the run has
@@ -45,6 +45,7 @@ class RobotLockstep {
 
   BarrierConfig config_;
   RobotId self_;
+  Life life_;
   Inbox inbox_;
   std::unique_ptr<Participant> bus_, air_;
   ReaderSet samples_, down_, tick_reader_;
@@ -82,13 +83,13 @@ class RadioLockstep {
   std::string run(const Callbacks& callbacks);
   /// From any thread: its process is gone, wait for it no longer.
   void lost(RobotId robot);
-  /// From any thread: its process is about to start again; the way to it is opened.
-  void expected(RobotId robot);
+  /// From any thread: its process is about to start again; the way to that life is opened.
+  void expected(RobotId robot, Life life);
 
  private:
   void take(Inbox::Clock::time_point deadline);
   void apply_notices();
-  void open_way(RobotId robot);
+  void open_way(RobotId robot, Life life);
   void await_matches();
   void await_sent();
   bool has_everything();
@@ -102,11 +103,13 @@ class RadioLockstep {
   ReaderSet sim_, up_, done_air_;
   WriterSet done_bus_;
   std::map<RobotId, WriterSet> down_;
+  Undertaker undertaker_;
 
   std::mutex notices_mutex_;
-  std::vector<std::pair<RobotId, bool>> notices_;  ///< (robot, lives)
-  std::map<RobotId, bool> alive_;                  ///< as told to the callbacks
-  std::set<RobotId> ready_;
+  std::vector<std::pair<RobotId, std::optional<Life>>> notices_;  ///< nothing: it has died
+  std::map<RobotId, bool> alive_;                                 ///< as told to the callbacks
+  Lives lives_;                                                   ///< to which there is a way
+  Lives ready_;                                                   ///< that said so
   bool must_rematch_ = true;
 
   mission::Tick tick_;

@@ -35,24 +35,27 @@ RadioLockstep::RadioLockstep(const BarrierConfig& config, const std::vector<Robo
   up_ = ReaderSet(*air_, mission::kAirClasses, "up.*", on_message, on_match);
   done_air_.add(*air_, MessageClass::kDone, kSimPartition, on_message, on_match);
   for (RobotId robot : fleet) {
-    open_way(robot);
+    open_way(robot, kFirstLife);
     alive_[robot] = true;
   }
 }
 
 RadioLockstep::~RadioLockstep() = default;
 
-void RadioLockstep::open_way(RobotId robot) {
-  down_[robot] = WriterSet(*air_, mission::kAirClasses, down_partition(robot), inbox_.on_match());
-  ready_.erase(robot);
+void RadioLockstep::open_way(RobotId robot, Life life) {
+  down_[robot] =
+      WriterSet(*air_, mission::kAirClasses, down_partition(robot, life), inbox_.on_match());
+  lives_[robot] = life;
   must_rematch_ = true;
 }
 
 bool RadioLockstep::matched() const {
   // A killed process stays matched for a while, so counts alone would not show that its successor
   // is there: it has to have spoken.
-  const bool spoken = std::all_of(down_.begin(), down_.end(),
-                                  [&](const auto& way) { return ready_.contains(way.first); });
+  const bool spoken = std::all_of(lives_.begin(), lives_.end(), [&](const auto& entry) {
+    const auto said = ready_.find(entry.first);
+    return said != ready_.end() && said->second == entry.second;
+  });
   // The world overhears what the station is sent.
   const bool ways = std::all_of(down_.begin(), down_.end(), [&](const auto& way) {
     return way.second.matched(way.first == station_ ? 2 : 1);
@@ -65,33 +68,34 @@ bool RadioLockstep::matched() const {
 void RadioLockstep::lost(RobotId robot) {
   {
     const std::lock_guard lock(notices_mutex_);
-    notices_.emplace_back(robot, false);
+    notices_.emplace_back(robot, std::nullopt);
   }
   inbox_.wake();
 }
 
-void RadioLockstep::expected(RobotId robot) {
+void RadioLockstep::expected(RobotId robot, Life life) {
   {
     const std::lock_guard lock(notices_mutex_);
-    notices_.emplace_back(robot, true);
+    notices_.emplace_back(robot, life);
   }
   inbox_.wake();
 }
 
 void RadioLockstep::apply_notices() {
-  std::vector<std::pair<RobotId, bool>> notices;
+  decltype(notices_) notices;
   {
     const std::lock_guard lock(notices_mutex_);
     notices = std::exchange(notices_, {});
   }
-  for (const auto& [robot, lives] : notices) {
-    if (lives) {
-      open_way(robot);
+  for (const auto& [robot, life] : notices) {
+    if (life) {
+      open_way(robot, *life);
     } else {
       const auto way = down_.find(robot);
       if (way == down_.end()) continue;
-      way->second.abandon();  // what is still owed to it must not hold anybody up
+      undertaker_.bury(std::move(way->second));  // what is owed to it must not hold anybody up
       down_.erase(way);
+      lives_.erase(robot);
     }
   }
 }
@@ -116,7 +120,7 @@ void RadioLockstep::take(Clock::time_point deadline) {
     } else if (message.cls == MessageClass::kDone) {
       auto done = decode<mission::Done>(message);
       if (done.k == kReady) {
-        ready_.insert(done.process);
+        for (const auto& [robot, life] : lives_in(done)) ready_[robot] = life;
       } else {
         answers_[done.process] = std::move(done);
       }
@@ -140,7 +144,7 @@ void RadioLockstep::await_matches() {
   while (!tick_is_new_) {
     const bool all = matched();
     if (all && must_rematch_) {
-      say_done(ready());
+      say_done(ready(lives_));
       if (started_) must_rematch_ = false;
     }
     const auto patience =

@@ -29,21 +29,24 @@ constexpr auto kSayAgain = std::chrono::milliseconds(100);
 
 }  // namespace
 
-RobotLockstep::RobotLockstep(const BarrierConfig& config, RobotId self, bool station)
+RobotLockstep::RobotLockstep(const BarrierConfig& config, RobotId self, bool station, Life life)
     : config_(config),
       self_(self),
+      life_(life),
       bus_(make_participant(participant_config(config, config.domain, participant_on_bus(self)))),
       air_(make_participant(
           participant_config(config, config.domain + 1, participant_on_air(self)))) {
   const OnMessage on_message = inbox_.on_message();
   const OnMatch on_match = inbox_.on_match();
-  samples_ = ReaderSet(*bus_, kSampleClasses, bus_partition(self), on_message, on_match);
-  if (station)
-    samples_.add(*bus_, MessageClass::kOperatorRequest, bus_partition(self), on_message, on_match);
+  const std::string on_bus = bus_partition(self, life);
+  samples_ = ReaderSet(*bus_, kSampleClasses, on_bus, on_message, on_match);
+  if (station) samples_.add(*bus_, MessageClass::kOperatorRequest, on_bus, on_message, on_match);
   tick_reader_.add(*bus_, MessageClass::kTick, kSimPartition, on_message, on_match);
   commands_ = WriterSet(*bus_, kCommandClasses, bus_partition(self), on_match);
+  // What says that we are ready comes last on each domain: who hears it knows the writers before
+  // it, which the hub cannot count, because those of our former lives still do.
   done_bus_.add(*bus_, MessageClass::kDone, kSimPartition, on_match);
-  down_ = ReaderSet(*air_, mission::kAirClasses, down_partition(self), on_message, on_match);
+  down_ = ReaderSet(*air_, mission::kAirClasses, down_partition(self, life), on_message, on_match);
   up_ = WriterSet(*air_, mission::kAirClasses, up_partition(self), on_match);
   done_air_.add(*air_, MessageClass::kDone, kSimPartition, on_match);
 }
@@ -88,7 +91,7 @@ void RobotLockstep::say_done(mission::Done done) {
 void RobotLockstep::await_first_tick(const volatile std::sig_atomic_t& stop) {
   const auto deadline = in(config_.start);
   while (!tick_is_new_ && !stop) {
-    if (matched()) say_done(ready());
+    if (matched()) say_done(ready({{self_, life_}}));
     sort_in(inbox_.take(std::min(deadline, Clock::now() + kSayAgain)));
     if (Clock::now() >= deadline) {
       throw Failure(matched() ? "the world did not start the clock"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "common/core/log.h"
@@ -43,9 +44,9 @@ WorldLockstep::WorldLockstep(const BarrierConfig& config, const std::vector<Robo
   truth_writer_ = bus_->writer(MessageClass::kTruth, kSimPartition, Delivery::kEvery, on_match);
   done_.add(*bus_, MessageClass::kDone, kSimPartition, on_message, on_match);
   commands_ = ReaderSet(*bus_, kCommandClasses, "bus.*", on_message, on_match);
-  ear_ = ReaderSet(*air_, mission::kAirClasses, down_partition(station), on_message, on_match);
+  listen_to_station(kFirstLife);
   for (RobotId robot : fleet) {
-    open_way(robot);
+    open_way(robot, kFirstLife);
     alive_.insert(robot);
   }
 }
@@ -68,11 +69,30 @@ WorldLockstep::~WorldLockstep() {
   if (keeper_.joinable()) keeper_.join();
 }
 
-void WorldLockstep::open_way(RobotId robot) {
-  WriterSet ways(*bus_, kSampleClasses, bus_partition(robot), inbox_.on_match());
+void WorldLockstep::open_way(RobotId robot, Life life) {
+  const std::string partition = bus_partition(robot, life);
+  WriterSet ways(*bus_, kSampleClasses, partition, inbox_.on_match());
   if (robot == station_)
-    ways.add(*bus_, MessageClass::kOperatorRequest, bus_partition(robot), inbox_.on_match());
+    ways.add(*bus_, MessageClass::kOperatorRequest, partition, inbox_.on_match());
   samples_[robot] = std::move(ways);
+  lives_[robot] = life;
+}
+
+void WorldLockstep::listen_to_station(Life life) {
+  ear_ = ReaderSet(*air_, mission::kAirClasses, down_partition(station_, life), inbox_.on_message(),
+                   inbox_.on_match());
+}
+
+bool WorldLockstep::is_ready(RobotId robot) const {
+  const auto said = ready_.find(robot);
+  return said != ready_.end() && said->second == lives_.at(robot);
+}
+
+bool WorldLockstep::is_radio_ready() const {
+  return std::ranges::all_of(alive_, [&](RobotId robot) {
+    const auto said = radio_ready_.find(robot);
+    return said != radio_ready_.end() && said->second == lives_.at(robot);
+  });
 }
 
 bool WorldLockstep::matched() const {
@@ -97,11 +117,8 @@ void WorldLockstep::take(Clock::time_point deadline) {
       auto done = decode<mission::Done>(message);
       const bool radio = done.process == kRadioId;
       if (done.k == kReady) {
-        if (radio) {
-          radio_ready_ = true;
-        } else {
-          ready_.insert(done.process);
-        }
+        for (const auto& [robot, life] : lives_in(done))
+          (radio ? radio_ready_ : ready_)[robot] = life;
       } else if (done.k == kBusy) {
         ++busy_heard_;
       } else if (done.k != tick_.k) {
@@ -122,13 +139,12 @@ void WorldLockstep::take(Clock::time_point deadline) {
 
 void WorldLockstep::drop(RobotId robot) {
   if (alive_.erase(robot) == 0) return;
-  samples_.at(robot).abandon();
+  undertaker_.bury(std::move(samples_.at(robot)));
   samples_.erase(robot);
   bus_counts_.erase(robot);
   air_counts_.erase(robot);
   dones_.erase(robot);
   commands_in_.erase(robot);
-  ready_.erase(robot);
   if (robot == station_) ear_in_.clear();
   lost_.push_back(robot);
 }
@@ -160,15 +176,14 @@ void WorldLockstep::await(std::chrono::duration<double> patience, const Complete
 void WorldLockstep::await_everyone() {
   const auto silent = [&] {
     std::vector<RobotId> all;
-    std::set_difference(alive_.begin(), alive_.end(), ready_.begin(), ready_.end(),
-                        std::back_inserter(all));
+    std::ranges::copy_if(alive_, std::back_inserter(all), [&](RobotId r) { return !is_ready(r); });
     return all;
   };
   await(
-      config_.start, [&] { return silent().empty() && radio_ready_ && matched(); },
+      config_.start, [&] { return silent().empty() && is_radio_ready() && matched(); },
       [&] {
         std::string who = silent().empty() ? "" : "not matched: robots " + list(silent());
-        if (!radio_ready_) who += who.empty() ? "the radio is not matched" : "; the radio";
+        if (!is_radio_ready()) who += who.empty() ? "the radio is not matched" : "; the radio";
         return who.empty() ? "the world's own endpoints are not all matched" : who;
       });
   keeper_ = std::thread([this] { keep_saying(); });
@@ -315,17 +330,20 @@ void WorldLockstep::await_lost(RobotId robot) {
       [&] { return fmt::format("robot {} was to be killed and still lives", robot.value); });
 }
 
-void WorldLockstep::expect(RobotId robot) {
-  open_way(robot);
-  ready_.erase(robot);
-  radio_ready_ = false;
+Life WorldLockstep::expect(RobotId robot) {
+  const Life life = lives_.at(robot) + 1;
+  open_way(robot, life);
+  if (robot == station_) listen_to_station(life);
   alive_.insert(robot);
+  return life;
 }
 
-void WorldLockstep::await_back(RobotId robot) {
+bool WorldLockstep::await_back(RobotId robot) {
+  const auto back = [&] { return is_ready(robot) && is_radio_ready() && matched(); };
   await(
-      config_.start, [&] { return ready_.contains(robot) && radio_ready_ && matched(); },
+      config_.start, [&] { return !alive_.contains(robot) || back(); },
       [&] { return fmt::format("robot {} was started again and is not matched", robot.value); });
+  return alive_.contains(robot);
 }
 
 }  // namespace muster::dds

@@ -59,10 +59,10 @@ class WorldLockstep {
   std::vector<RobotId> take_lost();
   /// Waits until `robot`'s process is gone (scripted kill: the launcher was asked).
   void await_lost(RobotId robot);
-  /// A robot comes back: opens the ways to it, `start` has it started, returns when it is matched
-  /// everywhere.
-  void expect(RobotId robot);
-  void await_back(RobotId robot);
+  /// A robot comes back: opens the ways to its next life, which is then to be started.
+  Life expect(RobotId robot);
+  /// Returns true when it is matched everywhere, false when its process is gone again.
+  bool await_back(RobotId robot);
   /// From any thread: whoever waits here throws WorldEnded (an operator's Ctrl-C; a radio that
   /// died).
   void interrupt(const std::string& note, bool failed);
@@ -70,7 +70,8 @@ class WorldLockstep {
   const std::set<RobotId>& alive() const { return alive_; }
 
  private:
-  void open_way(RobotId robot);
+  void open_way(RobotId robot, Life life);
+  void listen_to_station(Life life);
   void take(Inbox::Clock::time_point deadline);
   void drop(RobotId robot);
   /// Waits until `complete()`; throws Failure with `missing()` when nothing new came for too long.
@@ -78,6 +79,8 @@ class WorldLockstep {
   void await(std::chrono::duration<double> patience, const Complete& complete,
              const Missing& missing);
   bool matched() const;
+  bool is_ready(RobotId robot) const;
+  bool is_radio_ready() const;
   void write_tick();
   void keep_saying();
 
@@ -88,9 +91,12 @@ class WorldLockstep {
   std::unique_ptr<Writer> tick_writer_, truth_writer_;
   ReaderSet done_, commands_, ear_;
   std::map<RobotId, WriterSet> samples_;
+  Undertaker undertaker_;
 
-  std::set<RobotId> alive_, ready_, paused_;
-  bool radio_ready_ = false;
+  std::set<RobotId> alive_, paused_;
+  Lives lives_;        ///< the present or last one of everybody
+  Lives ready_;        ///< that said that they are matched
+  Lives radio_ready_;  ///< to which the radio said to have a way
   std::uint64_t busy_heard_ = 0;
   mission::Tick tick_;
   std::map<RobotId, std::uint32_t> bus_counts_;  ///< of the samples written for the next tick

@@ -35,6 +35,11 @@ std::uint64_t epoch_of(const RobotShellOptions& options) {
       std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
 }
 
+/// In the barrier.
+Life life_of(const RobotShellOptions& options) {
+  return static_cast<Life>(options.epoch.value_or(kFirstLife));
+}
+
 /// A robot without a disk flies all the same.
 std::unique_ptr<store::Journal> open_journal(const RobotShellOptions& options, RobotId self) {
   using store::Journal;
@@ -72,7 +77,7 @@ std::string run_in_barrier(const RobotShellOptions& options, const mission::Miss
   const RobotId self = process.id();
   const bool station = mission.robot(self).role == mission::Role::kStation;
   RobotLockstep barrier(BarrierConfig::from(vendor_from(options.vendor), *options.domain), self,
-                        station);
+                        station, life_of(options));
   const auto step = [&](const mission::StepInput& input) {
     if (journal)
       journal->set_disk_full(mission::in_force(mission.script, "full-disk", self, input.now));
@@ -136,7 +141,8 @@ int run_robot(const RobotShellOptions& options, bool station, const MakeProcess&
   stop_on_signal();
   std::error_code error;
   std::filesystem::create_directories(options.out + "/logs", error);
-  log::open(options.out + "/logs", fmt::format("{}-{}", station ? "gcs" : "agent", self.value));
+  log::open(
+      options.out + "/logs", fmt::format("{}-{}", station ? "gcs" : "agent", self.value));
   std::unique_ptr<store::Journal> journal = open_journal(options, self);
   const std::uint64_t after = journal ? journal->epoch() + 1 : 0;
   std::unique_ptr<mission::Process> process =

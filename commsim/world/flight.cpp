@@ -136,13 +136,13 @@ std::optional<std::string> Flight::end_reason(std::uint64_t k, std::size_t alive
 }
 
 void Flight::robot_lost(RobotId robot, const std::string& how) {
+  if (!gone_.insert(robot).second) return;
   lost_.push_back({{"robot", robot.value},
                    {"t_s", now_.decimal_s()},
                    {"how", how},
                    {"revived_s", nullptr},
                    {"journal_lost", false}});
   activity_.erase(robot);
-  gone_.insert(robot);
   if (robot == mission_.station()) station_lost_ = true;
   event({{"t_s", now_.s()}, {"event", "robot_lost"}, {"robot", robot.value}, {"how", how}});
 }

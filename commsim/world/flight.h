@@ -49,10 +49,12 @@ class Flight {
   void station_heard(const std::vector<mission::Message>& messages);
   void robot_done(const RobotReport& report);
   void radio_done(std::uint64_t trace);
-  /// Why the run is over after tick k, if it is. `alive`: robots that still have a process.
+  /// Why the run is over after tick k, if it is. `alive`: robots that have a process, or will have
+  /// one again.
   std::optional<std::string> end_reason(std::uint64_t k, std::size_t alive);
 
-  /// A robot's process ended; `how` is for people ("killed by signal 9", "scripted").
+  /// A robot's process ended; `how` is for people ("killed by signal 9", "scripted"). Nothing new
+  /// of one that ended again before it was back.
   void robot_lost(RobotId robot, const std::string& how);
   void robot_back(RobotId robot);
   /// The operator's request, forwarded to the station.

@@ -134,7 +134,7 @@ class LockstepRunner {
       if (k % 10 == 0) control_.tell({{"progress", flight().progress()}});
       world().end_tick(k, answers.commands);
       for (const auto& [verb, robot] : control_.take_requests()) flight().request(verb, robot);
-      if (auto reason = flight().end_reason(k, barrier_.alive().size())) {
+      if (auto reason = flight().end_reason(k, barrier_.alive().size() + back_.size())) {
         radio_answers();
         return *std::move(reason);
       }
@@ -166,23 +166,22 @@ class LockstepRunner {
       if (event.verb == "kill" && lives) {
         control_.tell({{"kill", event.robot.value}});
         barrier_.await_lost(event.robot);
-        barrier_.take_lost();
-        flight().robot_lost(event.robot, "scripted");
-        world().set_alive(event.robot, false);
+        note_lost(event.robot);
       } else if (event.verb == "revive" && !lives) {
         revive(event.robot, event.journal_lost);
       }
     }
   }
 
-  /// The clock stands until it is matched everywhere.
+  /// The clock stands until it is matched everywhere, or has died on the way.
   void revive(RobotId robot, bool journal_lost) {
-    barrier_.expect(robot);
-    control_.tell({{"revive", robot.value}, {"journal_lost", journal_lost}});
-    barrier_.await_back(robot);
+    note_lost();  // before the tick began, or it would count as lost after it has come back
+    const dds::Life life = barrier_.expect(robot);
+    control_.tell({{"revive", robot.value}, {"life", life}, {"journal_lost", journal_lost}});
+    back_.erase(robot);
+    if (!barrier_.await_back(robot)) return;
     flight().robot_back(robot);
     world().set_alive(robot, true);
-    back_.erase(robot);
   }
 
   bool is_somebody_due(std::uint64_t k) const {
@@ -207,11 +206,12 @@ class LockstepRunner {
     return truth;
   }
 
-  void note_lost() {
+  void note_lost(RobotId by_script = kNoRobot) {
     for (RobotId robot : barrier_.take_lost()) {
-      flight().robot_lost(robot, control_.how_lost(robot));
+      const bool scripted = robot == by_script;
+      flight().robot_lost(robot, scripted ? "scripted" : control_.how_lost(robot));
       world().set_alive(robot, false);
-      if (options_.restart_s > 0)
+      if (options_.restart_s > 0 && !scripted)
         back_[robot] = flight().now() + Duration::from_s(options_.restart_s);
     }
   }

@@ -29,7 +29,7 @@ struct RunnerOptions : HubOptions {
 ///     to us    {"dead": id, "how": text}   {"request": verb, "robot": id}   {"stop": reason}   end
 ///     of stream: go
 ///     from us  {"matched": true}  {"started": true, "load_s": …}  {"progress": …}  {"kill": id}
-///     {"revive": id, "journal_lost": bool}  {"summary": …}  {"failed": text, "bad_input": bool}
+///     {"revive": id, "life": n, "journal_lost": bool}  {"summary": …}  {"failed": text, "bad_input": bool}
 class RunControl {
  public:
   explicit RunControl(int fd);

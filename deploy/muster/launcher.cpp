@@ -8,7 +8,6 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -18,6 +17,7 @@
 #include "common/core/cpu_time.h"
 #include "common/core/error.h"
 #include "common/core/program.h"
+#include "common/dds/barrier.h"
 #include "common/store/journal.h"
 #include "commsim/world/flight.h"
 #include "deploy/muster/capture.h"
@@ -77,7 +77,7 @@ class Launcher {
         progress_.note(
             fmt::format("start robot {} yourself:  {}", robot.id.value, command_line(robot.id)));
       } else {
-        start_robot(robot.id);
+        start_robot(robot.id, dds::kFirstLife);
       }
     }
     started_ = Clock::now();
@@ -102,13 +102,12 @@ class Launcher {
                                                             .channel = true}));
   }
 
-  void start_robot(RobotId id) {
-    ++starts_[id];
+  void start_robot(RobotId id, dds::Life life) {
     const bool station = mission_.robot(id).role == mission::Role::kStation;
     children_.push_back(std::make_unique<Child>(
         ChildConfig{.name = fmt::format("{}-{}", station ? "gcs" : "agent", id.value),
                     .program = station ? "muster-gcs" : "muster-agent",
-                    .arguments = robot_arguments(id),
+                    .arguments = robot_arguments(id, life),
                     .log_dir = options_.out + "/logs",
                     .robot = id,
                     .channel = false}));
@@ -143,13 +142,10 @@ class Launcher {
     return all;
   }
 
-  std::vector<std::string> robot_arguments(RobotId id) const {
+  std::vector<std::string> robot_arguments(RobotId id, dds::Life life) const {
     std::vector<std::string> all = common_arguments(vendor_of(id));
     all.insert(all.end(), {"--id", std::to_string(id.value)});
-    const auto starts = starts_.find(id);
-    if (starts != starts_.end() && !direct()) {
-      all.insert(all.end(), {"--epoch", std::to_string(starts->second)});
-    }
+    if (!direct()) all.insert(all.end(), {"--epoch", std::to_string(life)});
     if (direct())
       all.insert(all.end(), {"--field", "--speed", fmt::format("{}", options_.speed_factor())});
     return all;
@@ -158,7 +154,8 @@ class Launcher {
   std::string command_line(RobotId id) const {
     const bool station = mission_.robot(id).role == mission::Role::kStation;
     std::string line = program_directory() + (station ? "/muster-gcs" : "/muster-agent");
-    for (const std::string& argument : robot_arguments(id)) line += " '" + argument + "'";
+    for (const std::string& argument : robot_arguments(id, dds::kFirstLife))
+      line += " '" + argument + "'";
     return line;
   }
 
@@ -215,7 +212,7 @@ class Launcher {
     if (message.contains("kill")) kill_robot(RobotId{message["kill"].get<std::uint32_t>()});
     if (message.contains("revive")) {
       revive_robot(RobotId{message["revive"].get<std::uint32_t>()},
-                   message.value("journal_lost", false));
+                   message["life"].get<dds::Life>(), message.value("journal_lost", false));
     }
     if (message.contains("radio")) radio_summary_ = message["radio"];
     if (message.contains("failed")) {
@@ -253,16 +250,17 @@ class Launcher {
   }
 
   void kill_robot(RobotId id) {
-    scripted_kills_.insert(id);
     for (const auto& child : children_) {
-      if (child->robot() == id) child->signal(SIGKILL);
+      if (child->robot() != id || !child->running()) continue;
+      scripted_kills_.insert(id);
+      child->signal(SIGKILL);
     }
   }
 
-  void revive_robot(RobotId id, bool journal_lost) {
+  void revive_robot(RobotId id, dds::Life life, bool journal_lost) {
     if (journal_lost) store::Journal::lose(store::Journal::path(options_.out, id));
-    tell("commsim", {{"expected", id.value}});
-    start_robot(id);
+    tell("commsim", {{"expected", id.value}, {"life", life}});
+    start_robot(id, life);
   }
 
   void tell(const std::string& name, const json& message) {
@@ -412,7 +410,6 @@ class Launcher {
   std::vector<std::unique_ptr<Child>> children_;
   std::set<const Child*> hung_up_;
   std::set<RobotId> scripted_kills_;
-  std::map<RobotId, std::uint64_t> starts_;
   std::atomic<bool> begun_ = false;  ///< the clock runs
   bool stopping_ = false, leaving_ = false;
   std::string stop_reason_;

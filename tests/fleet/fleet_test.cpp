@@ -82,6 +82,15 @@ class Running {
   void kill_child(const std::string& what) const {
     REQUIRE(shell(fmt::format("pkill -KILL -P {} -f -- '{}'", pid_, what)).status == 0);
   }
+  void await_child(const std::string& what) const {
+    for (int i = 0; i < 12000 && !has_child(what); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    REQUIRE(has_child(what));
+  }
+  void kill_child_once_there(const std::string& what) const {
+    await_child(what);
+    kill_child(what);
+  }
   int wait() {
     int status = 0;
     waitpid(pid_, &status, 0);
@@ -95,6 +104,9 @@ class Running {
   bool left_nothing() const { return shell("pgrep -f -- '[-]-out " + dir_ + "'").status != 0; }
 
  private:
+  bool has_child(const std::string& what) const {
+    return shell(fmt::format("pgrep -P {} -f -- '{}'", pid_, what)).status == 0;
+  }
   /// The first line of progress is out and so the first second is under way.
   bool flies() const { return output().find(" s  map") != std::string::npos; }
 
@@ -164,6 +176,24 @@ TEST_CASE(
   CHECK(summary["robots_lost"][0]["robot"] == 3);
   CHECK(summary["robots_lost"][0]["how"] == "killed by signal 9");
   CHECK(summary["robots_lost"][0]["t_s"].get<double>() < 40);
+  CHECK(run.left_nothing());
+}
+
+TEST_CASE("who is killed on its way back, or together with everybody else, is started again") {
+  const Place place;
+  Running run(place / "run", "--duration 60 --restart 2");
+  run.kill_child("muster-agent .*--id 3");
+  run.kill_child_once_there("muster-agent .*--id 3 --epoch 2");
+  run.kill_child_once_there("muster-agent .*--id 3 --epoch 3");
+  run.await_child("muster-agent .*--id 3 --epoch 4");
+  run.kill_child("--id [0-9]+");
+  run.await_child("muster-agent .*--id 3 --epoch 5");
+  CHECK(run.wait() == 3);
+  INFO(run.output());
+  const auto summary = summary_of(place / "run");
+  CHECK(summary["ended"] == "duration reached");
+  CHECK(summary["robots_lost"].size() >= 5);
+  for (const auto& lost : summary["robots_lost"]) CHECK_FALSE(lost["revived_s"].is_null());
   CHECK(run.left_nothing());
 }
 

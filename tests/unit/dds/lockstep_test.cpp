@@ -142,15 +142,25 @@ class Others {
     for (WriterSet* done : {&robot_, &radio_})
       done->add(*bus_, MessageClass::kDone, kSimPartition, {});
   }
-  void answer(std::uint64_t k) {
-    say(robot_, kRobot, k);
-    say(radio_, kRadioId, k);
+  void answer(std::uint64_t k, Life life = kFirstLife) {
+    say(robot_, kRobot, k, life);
+    say(radio_, kRadioId, k, life);
+  }
+  /// Nobody tells the middleware of a death: what listened before goes on being matched.
+  void listen_again(Life life) {
+    again_ = ReaderSet(*bus_, kSampleClasses, bus_partition(kRobot, life), nothing, {});
+    again_.add(*bus_, MessageClass::kOperatorRequest, bus_partition(kRobot, life), nothing, {});
+  }
+  /// What the radio does when it expects the station.
+  void open_way_again(Life life) {
+    ear_ = WriterSet(*air_, mission::kAirClasses, down_partition(kRobot, life), {});
   }
 
  private:
   static void nothing(Message&&) {}
-  static void say(const WriterSet& writer, RobotId who, std::uint64_t k) {
+  static void say(const WriterSet& writer, RobotId who, std::uint64_t k, Life life) {
     mission::Done done;
+    if (k == kReady) done = ready({{kRobot, life}});
     done.k = k;
     done.process = who;
     done.trace = trace_of(who, k);
@@ -160,17 +170,31 @@ class Others {
 
   std::unique_ptr<Participant> air_, bus_;
   WriterSet ear_, commands_, robot_, radio_;
-  ReaderSet ticks_, samples_;
+  ReaderSet ticks_, samples_, again_;
+};
+
+/// A world whose clock may start.
+struct Started {
+  const BarrierConfig config = BarrierConfig::from(Vendor::kCyclone, test::free_domain());
+  Others others{config};
+  WorldLockstep world{config, {kRobot}, kRobot};
+
+  Started() {
+    others.join(config);
+    auto started = std::async(std::launch::async, [&] { world.await_everyone(); });
+    while (started.wait_for(50ms) == std::future_status::timeout) others.answer(kReady);
+    started.get();
+  }
+  /// Between two ticks.
+  void kill() {
+    world.notify_lost(kRobot);
+    world.await_lost(kRobot);
+  }
 };
 
 TEST_CASE("an answer said again does not count for the next tick") {
-  const BarrierConfig config = BarrierConfig::from(Vendor::kCyclone, test::free_domain());
-  Others others(config);
-  WorldLockstep world(config, {kRobot}, kRobot);
-  others.join(config);
-  auto started = std::async(std::launch::async, [&] { world.await_everyone(); });
-  while (started.wait_for(50ms) == std::future_status::timeout) others.answer(kReady);
-  started.get();
+  Started started;
+  auto& [config, others, world] = started;
   for (std::uint64_t k = 1; k <= 5; ++k) {
     world.announce(k);
     if (k > 1) others.answer(k - 1);
@@ -180,6 +204,55 @@ TEST_CASE("an answer said again does not count for the next tick") {
     CHECK(world.await_radio().k == k);
     others.answer(k);
   }
+  world.end("enough");
+}
+
+TEST_CASE("regress: who comes back is matched when its own readers are, not those of its dead") {
+  Started started;
+  auto& [config, others, world] = started;
+  std::future<bool> back;
+  const auto is_back_while_saying = [&](Life life, std::chrono::milliseconds longest) {
+    const auto deadline = in(longest);
+    while (Inbox::Clock::now() < deadline && back.wait_for(50ms) == std::future_status::timeout)
+      others.answer(kReady, life);
+    return back.wait_for(0ms) == std::future_status::ready;
+  };
+  const auto start_again = [&] {
+    const Life life = world.expect(kRobot);
+    others.open_way_again(life);
+    back = std::async(std::launch::async, [&] { return world.await_back(kRobot); });
+    return life;
+  };
+  started.kill();
+  const Life deaf = start_again();
+  CHECK_FALSE(is_back_while_saying(deaf, 500ms));
+  world.notify_lost(kRobot);
+  CHECK_FALSE(back.get());
+  const Life hearing = start_again();
+  others.listen_again(hearing);
+  CHECK_FALSE(is_back_while_saying(deaf, 500ms));
+  CHECK(is_back_while_saying(hearing, 20s));
+  CHECK(back.get());
+  world.end("enough");
+}
+
+TEST_CASE("regress: who dies on its way back is not waited for, and may come back later") {
+  Started started;
+  auto& [config, others, world] = started;
+  started.kill();
+  world.expect(kRobot);
+  auto back = std::async(std::launch::async, [&] { return world.await_back(kRobot); });
+  CHECK(back.wait_for(200ms) == std::future_status::timeout);
+  world.notify_lost(kRobot);
+  CHECK_FALSE(back.get());
+  CHECK(world.alive().empty());
+  const Life third = world.expect(kRobot);
+  CHECK(third == kFirstLife + 2);
+  others.open_way_again(third);
+  others.listen_again(third);
+  back = std::async(std::launch::async, [&] { return world.await_back(kRobot); });
+  while (back.wait_for(50ms) == std::future_status::timeout) others.answer(kReady, third);
+  CHECK(back.get());
   world.end("enough");
 }
 
