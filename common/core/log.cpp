@@ -33,13 +33,14 @@ class MissionTimeFlag : public spdlog::custom_flag_formatter {
 
 }  // namespace
 
-void open(const std::string& dir, const std::string& name) {
+void open(const std::string& dir, const std::string& name, Before before) {
   try {
-    auto logger = spdlog::basic_logger_st(name, dir + "/" + name + ".log", true);
+    auto logger =
+        spdlog::basic_logger_st(name, dir + "/" + name + ".log", before == Before::kForget);
     auto formatter = std::make_unique<spdlog::pattern_formatter>();
     formatter->add_flag<MissionTimeFlag>('*').set_pattern("%* %n %l: %v");
     logger->set_formatter(std::move(formatter));
-    logger->flush_on(spdlog::level::warn);
+    logger->flush_on(spdlog::level::info);  // a process that is killed says where it was
     spdlog::set_default_logger(std::move(logger));
   } catch (const spdlog::spdlog_ex& e) {
     throw Failure(dir + ": cannot write logs here: " + e.what());

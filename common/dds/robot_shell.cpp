@@ -142,7 +142,8 @@ int run_robot(const RobotShellOptions& options, bool station, const MakeProcess&
   std::error_code error;
   std::filesystem::create_directories(options.out + "/logs", error);
   log::open(
-      options.out + "/logs", fmt::format("{}-{}", station ? "gcs" : "agent", self.value));
+      options.out + "/logs", fmt::format("{}-{}", station ? "gcs" : "agent", self.value),
+      !options.field && life_of(options) > kFirstLife ? log::Before::kKeep : log::Before::kForget);
   std::unique_ptr<store::Journal> journal = open_journal(options, self);
   const std::uint64_t after = journal ? journal->epoch() + 1 : 0;
   std::unique_ptr<mission::Process> process =

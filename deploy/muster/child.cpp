@@ -53,8 +53,9 @@ Child::Child(const ChildConfig& config) : config_(config) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, 1, error_file().c_str(),
-                                   O_WRONLY | O_CREAT | O_TRUNC | O_APPEND, 0644);
+  const int before = config.again ? O_APPEND : O_APPEND | O_TRUNC;
+  posix_spawn_file_actions_addopen(&files, 1, error_file().c_str(), O_WRONLY | O_CREAT | before,
+                                   0644);
   posix_spawn_file_actions_adddup2(&files, 1, 2);
   // dup2 onto itself would keep close-on-exec in place, so the number 3 must be free on our side:
   // it is whenever ends[1] is not 3.

@@ -19,6 +19,7 @@ struct ChildConfig {
   std::vector<std::string> arguments;
   std::string log_dir;  ///< gets NAME.err with what it says on stdout and stderr
   RobotId robot = kNoRobot;
+  bool again = false;    ///< NAME.err is gone on with, not begun anew
   bool channel = false;  ///< with a control channel; `--control-fd N` is added to the arguments
 };
 

@@ -110,6 +110,7 @@ class Launcher {
                     .arguments = robot_arguments(id, life),
                     .log_dir = options_.out + "/logs",
                     .robot = id,
+                    .again = life > dds::kFirstLife,
                     .channel = false}));
   }
 
