@@ -19,15 +19,23 @@ constexpr double kBlocked_s = 3;
 constexpr double kBarred_s = 25;
 constexpr double kPatience = 2;  // times what the way should take, and a stay
 constexpr double kRefresh_s = 1.2;
-constexpr double kSurfaceStay_s = 7;     // a look comes every 2 s: at most three from one place
-constexpr double kLeftover = 4;          // m³ that a cluster is worth for being done with
-constexpr double kDepth_m = 2.5;         // unknown volume behind a frontier, over its area
-constexpr double kProgress = 0.3;        // of the looks that were promised: less was in vain
-constexpr double kStop_s = 1;            // to look, beside the way
-constexpr std::size_t kLookedInto = 12;  // viewpoints of clusters, per decision
-constexpr double kUsedUp = 0.35;         // of its value at choice: on to the next
-constexpr double kComparable = 0.9;      // of the best rate: these are put in order
-constexpr std::uint32_t kNearest = 7;    // FIELD-NOTES: FF3E exact for at most 7 nearest clusters
+constexpr double kSurfaceStay_s = 7;  // a look comes every 2 s: at most three from one place
+constexpr double kLeftover = 4;       // m³ that a cluster is worth for being done with
+// A cluster is looked at for so many finds, if surfaces hide as many areas as those seen so far,
+// and
+// 100 m² with two of them.
+constexpr double kFindsPerLook = 0.0024, kAreasBefore = 2, kSurfaceBefore_m2 = 100;
+constexpr double kThorough_m2 = 0.12, kCursory_m2 = 0.3;
+constexpr double kSmall = 7;                // value: leftovers and little else
+constexpr std::size_t kManyLeftovers = 80;  // the nearest
+constexpr double kRoundabout = 2;           // where the straight way is not free
+constexpr double kDepth_m = 2.5;            // unknown volume behind a frontier, over its area
+constexpr double kProgress = 0.3;           // of the looks that were promised: less was in vain
+constexpr double kStop_s = 1;               // to look, beside the way
+constexpr std::size_t kLookedInto = 12;     // viewpoints of clusters, per decision
+constexpr double kUsedUp = 0.35;            // of its value at choice: on to the next
+constexpr double kComparable = 0.9;         // of the best rate: these are put in order
+constexpr std::uint32_t kNearest = 7;  // FIELD-NOTES: FF3E exact for at most 7 nearest clusters
 
 map::TargetConfig target_config(const mission::Mission& mission, const mission::Vehicle& vehicle) {
   map::TargetConfig c;
@@ -51,15 +59,14 @@ Exploration::Exploration(robot::Knowledge& k, RegionId region)
   recall(k);
 }
 
-/// A surface that becomes known is credited with these looks as with later ones, and the patience
-/// goes on where it was. (What a look on nobody's behalf sighted is lost: it has to be seen again.)
+/// A surface that becomes known is credited with these looks as with later ones. (What a look on
+/// nobody's behalf sighted is lost: it has to be seen again.)
 void Exploration::recall(const robot::Knowledge& k) {
   const Box& box = k.mission().boxes[region_.value];
   for (const auto& [explored, look] : k.looks()) {
     const bool lost = explored == kNoRegion && !look.seen.empty();
     if (!lost && box.distance(look.sensor.p) < k.mission().sensing.sighting_range_m)
       targets_.looked(look.sensor, look.pitch_rad);
-    if (explored == region_) be_patient(k, look);
   }
 }
 
@@ -72,15 +79,6 @@ void Exploration::on_look(const robot::Knowledge& k, const mission::Sightings& s
   targets_.looked(sightings.sensor, sightings.pitch_rad);
   last_look_ = k.now();
   ++looks_;
-  be_patient(k, sightings);
-}
-
-void Exploration::be_patient(const robot::Knowledge& k, const mission::Sightings& sightings) {
-  std::vector<Vec3> sighted;
-  for (const mission::Sighting& s : sightings.seen) {
-    if (k.mission().boxes[region_.value].contains(s.position)) sighted.push_back(s.position);
-  }
-  patience_.look(sighted);
 }
 
 ViewPrice Exploration::price() const {
@@ -108,11 +106,21 @@ robot::Intent Exploration::fly_to(const Goal& goal) const {
   return intent;
 }
 
+/// How much of an unseen surface a look must promise: the less, the more is found here per area.
+double Exploration::worth_looking_m2(const robot::Knowledge& k) const {
+  const auto areas = std::ranges::count_if(
+      k.areas(), [&](const auto& a) { return a.second.area.region == region_; });
+  const double per_m2 =
+      (kAreasBefore + static_cast<double>(areas)) / (kSurfaceBefore_m2 + targets_.surface_m2());
+  return std::clamp(kFindsPerLook / per_m2, kThorough_m2, kCursory_m2);
+}
+
 /// Brings clusters and their viewpoints up to date. Thorough: reachability by a full flood instead
 /// of one of the surroundings.
 void Exploration::refresh(robot::Knowledge& k, bool thorough,
                           std::vector<mission::PlanningTime>& planning) {
   const robot::Stopwatch watch(planning, mission::PlanningStep::kFrontier);
+  targets_.ask_for(worth_looking_m2(k));
   nav::PathFinder& paths = k.paths();
   paths.flood(k.position(), thorough ? 1e9 : kNearFlood_m);
   const Vec3 here = k.position();
@@ -175,6 +183,23 @@ bool Exploration::worth_keeping(const robot::Knowledge& k, const robot::Progress
   return false;
 }
 
+Exploration::Goal Exploration::cluster_goal(robot::Knowledge& k, const map::Viewpoint& v) {
+  const Vec3 here = k.position(), d = v.pose.p - here;
+  map::Worth worth = targets_.worth(v.pose);
+  if (!v.surface || worth.owed_m2 > 0.3 * v.gain) worth.unknown_m3 += kLeftover;
+  double way_m = d.norm();
+  if (!straight(k.map(), here, v.pose.p)) {
+    const double path_m =
+        way_m < kNearFlood_m / kDetour ? k.paths().flood_distance(v.pose.p) : kDetour * way_m;
+    way_m = std::isfinite(path_m) ? path_m : 1.5 * kDetour * way_m;
+  }
+  const double arrive_s = flight_s(way_m, d, k.odometry().pose.yaw_rad, v.pose.yaw_rad, k.limits(),
+                                   k.odometry().velocity_mps);
+  View view = agent::price(v.pose, worth, arrive_s, k.now(), price());
+  view.look = view.look || v.surface;
+  return {view, true, v.surface};
+}
+
 std::vector<Exploration::Goal> Exploration::candidates(robot::Knowledge& k) {
   const ViewPrice p = price();
   const SimTime now = k.now();
@@ -201,37 +226,61 @@ std::vector<Exploration::Goal> Exploration::candidates(robot::Knowledge& k) {
   std::stable_sort(rough.begin(), rough.end(),
                    [](const Rough& a, const Rough& b) { return a.rate > b.rate; });
   rough.resize(std::min(rough.size(), kLookedInto));
-  for (const Rough& r : rough) {
-    const map::Viewpoint& v = *r.v;
-    map::Worth worth = targets_.worth(v.pose);
-    if (!v.surface || worth.owed_m2 > 0.3 * v.gain) worth.unknown_m3 += kLeftover;
-    const Vec3 d = v.pose.p - here;
-    double way_m = d.norm();
-    if (!straight(k.map(), here, v.pose.p)) {
-      const double path_m =
-          way_m < kNearFlood_m / kDetour ? k.paths().flood_distance(v.pose.p) : kDetour * way_m;
-      way_m = std::isfinite(path_m) ? path_m : 1.5 * kDetour * way_m;
-    }
-    const double arrive_s = flight_s(way_m, d, k.odometry().pose.yaw_rad, v.pose.yaw_rad,
-                                     k.limits(), k.odometry().velocity_mps);
-    View view = agent::price(v.pose, worth, arrive_s, now, p);
-    view.look = view.look || v.surface;
-    result.push_back({view, true, v.surface});
-  }
+  for (const Rough& r : rough) result.push_back(cluster_goal(k, *r.v));
   std::stable_sort(result.begin(), result.end(),
                    [](const Goal& a, const Goal& b) { return a.view.rate > b.view.rate; });
-  if (result.size() > kNearest) result.resize(kNearest);
-  while (result.size() > 1 && result.back().view.rate < kComparable * result[0].view.rate)
-    result.pop_back();
   return result;
+}
+
+/// When only small things are left, of which none is worth more than being done with, the shortest
+/// way through all of them leaves the fewest long ways for the end: the first of it.
+std::optional<Exploration::Goal> Exploration::leftover(robot::Knowledge& k, double budget_s,
+                                                       const Vec3& meeting) {
+  const Pose here = k.odometry().pose;
+  std::vector<const map::Viewpoint*> views;
+  for (const map::Viewpoint& v : targets_.viewpoints()) {
+    if (!v.surface) return std::nullopt;
+    if (!barred(v.pose, k.now())) views.push_back(&v);
+  }
+  std::ranges::stable_sort(views, {}, [&](const auto* v) { return (v->pose.p - here.p).norm(); });
+  views.resize(std::min(views.size(), kManyLeftovers));
+  const auto seconds = [&](const Pose& a, const Pose& b) {
+    const double way_m = (straight(k.map(), a.p, b.p) ? 1.0 : kRoundabout) * (b.p - a.p).norm();
+    return flight_s(way_m, b.p - a.p, a.yaw_rad, b.yaw_rad, k.limits());
+  };
+  const std::size_t n = views.size();
+  route::OrderProblem problem;
+  problem.travel_s.assign(n + 1, std::vector<double>(n + 1, 0));
+  problem.budget_s = std::numeric_limits<double>::infinity();
+  problem.gain.assign(n, 1);
+  for (std::size_t i = 1; i <= n; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double s = seconds(j == 0 ? here : views[j - 1]->pose, views[i - 1]->pose);
+      problem.travel_s[i][j] = problem.travel_s[j][i] = s;
+    }
+  }
+  const route::Order round = route::shortest_order(problem);
+  if (round.visit.empty()) return std::nullopt;
+  const Goal first = cluster_goal(k, *views[round.visit.front()]);
+  const Vec3 back = meeting - first.view.pose.p;
+  const double back_s = flight_s(kDetour * back.norm(), back, first.view.pose.yaw_rad,
+                                 first.view.pose.yaw_rad, k.limits());
+  if (first.view.arrive_s + back_s > budget_s) return std::nullopt;
+  return first;
 }
 
 bool Exploration::choose(robot::Knowledge& k, double budget_s, const Vec3& meeting,
                          std::vector<mission::PlanningTime>& planning) {
   const robot::Stopwatch watch(planning, mission::PlanningStep::kExplore);
   std::erase_if(barred_, [&](const Barred& b) { return b.until <= k.now(); });
-  const std::vector<Goal> goals = candidates(k);
+  std::vector<Goal> goals = candidates(k);
   if (goals.empty()) return false;
+  if (std::ranges::all_of(goals, [](const Goal& g) { return g.view.value < kSmall; })) {
+    if (const std::optional<Goal> g = leftover(k, budget_s, meeting)) goals = {*g};
+  }
+  if (goals.size() > kNearest) goals.resize(kNearest);
+  while (goals.size() > 1 && goals.back().view.rate < kComparable * goals[0].view.rate)
+    goals.pop_back();
 
   const std::size_t n = goals.size();
   route::OrderProblem problem;
@@ -288,8 +337,6 @@ std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot:
     }
     if (!worth_keeping(k, progress)) {
       goal_.reset();
-      // (On the way to frontiers the camera looks at much that it has seen.)
-      targets_.ask_for_sides(!patience_.exhausted() || targets_.frontier_m2() > 0);
       const bool due = scans_ != refreshed_scans_ && now >= refresh_again_;
       if (due) {
         refresh(k, false, planning);

@@ -3,7 +3,6 @@
 #include <optional>
 #include <vector>
 
-#include "agent/strategy/look_patience.h"
 #include "agent/strategy/vantages.h"
 #include "common/map/targets.h"
 #include "common/robot/knowledge.h"
@@ -28,7 +27,6 @@ class Exploration {
     return knowledge.map().volume_m3(watched_);
   }
   const map::Targets& targets() const { return targets_; }
-  const LookPatience& patience() const { return patience_; }
 
   void on_scan(const mission::Scan& scan);
   void on_look(const robot::Knowledge& knowledge, const mission::Sightings& sightings);
@@ -48,12 +46,14 @@ class Exploration {
     bool surface = false;
   };
   void recall(const robot::Knowledge& knowledge);
-  void be_patient(const robot::Knowledge& knowledge, const mission::Sightings& sightings);
   ViewPrice price() const;
+  double worth_looking_m2(const robot::Knowledge& k) const;
   bool worth_keeping(const robot::Knowledge& k, const robot::Progress& progress);
   bool used_up() const;
   void refresh(robot::Knowledge& k, bool thorough, std::vector<mission::PlanningTime>& planning);
+  Goal cluster_goal(robot::Knowledge& k, const map::Viewpoint& v);
   std::vector<Goal> candidates(robot::Knowledge& k);
+  std::optional<Goal> leftover(robot::Knowledge& k, double budget_s, const Vec3& meeting);
   bool choose(robot::Knowledge& k, double budget_s, const Vec3& meeting,
               std::vector<mission::PlanningTime>& planning);
   bool barred(const Pose& pose, SimTime now) const;
@@ -74,7 +74,6 @@ class Exploration {
   bool entered_ = false;  // something of the box is known
   bool done_ = false;
   int empty_rounds_ = 0;
-  LookPatience patience_;
   struct Barred {
     Pose pose;
     double off_rad;  // headings within this of the pose's

@@ -196,7 +196,7 @@ bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& r
   if (view) {
     view_ = *view;
     current_ = ref;
-    asked_ = spot_to_ask(k, k.areas().at(ref).area);
+    asked_ = spot_to_ask(k, k.areas().at(ref).area, effort.looks);
     looking_since_.reset();
     moved_to_ = k.position();
     moved_at_ = k.now();

@@ -1,5 +1,6 @@
 #include "agent/strategy/view_poses.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -27,13 +28,17 @@ constexpr double kSamePose_rad = 0.06, kSamePose_m = 0.3;  // shows the same aga
 constexpr double kSameLook_rad = 0.2;                      // what was wrong there may be wrong here
 constexpr double kSameLook = 0.92;                         // how surely, at the very same direction
 constexpr double kRanges_m[] = {1.2, 1.6, 2.1, 2.7, 3.4, 4.1, 4.6};
-constexpr double kElevations_rad[] = {0.0,   0.12, -0.12, 0.22,  -0.22,  0.3,   -0.3,  0.37,
-                                      -0.37, 0.43, -0.43, 0.475, -0.475, 0.505, -0.505};
+// Beyond the edge of the field of view too: an area may lie 2 σ from where it is thought to, and
+// ceilings are inspected within a few degrees of that edge.
+constexpr double kElevations_rad[] = {0.0,    0.12,  -0.12,  0.22,  -0.22, 0.3,    -0.3,
+                                      0.37,   -0.37, 0.43,   -0.43, 0.475, -0.475, 0.505,
+                                      -0.505, 0.535, -0.535, 0.565, -0.565};
 constexpr int kAzimuths = 24;
 constexpr int kRound = 8;  // attempts
 constexpr double kGolden = 0.618034, kSilver = 0.414214, kBetween_rad = 0.12;
 constexpr double kBeside_m = 0.01;
 constexpr double kAside_m = 0.42;  // still within the rule's distance of where it was sighted
+constexpr double kTurn_rad = 0.8;
 constexpr int kPushes = 12;
 constexpr std::size_t kLinesOfSight = 400;  // asked for at most, until looks have been in vain
 
@@ -165,6 +170,20 @@ std::optional<Vec3> aside(const robot::Knowledge& k, const Vec3& from, const Vec
   return spot;
 }
 
+/// The area's place, turned in its surface around the nearest known feature.
+Vec3 turned(const robot::Knowledge& k, const mission::Area& area, double by_rad) {
+  Vec3 nearest = area.position;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const auto& [ref, result] : k.results()) {
+    for (const mission::Finding& f : result.inspection.findings) {
+      const double m = (f.position - area.position).norm();
+      if (m < least_m) nearest = f.position, least_m = m;
+    }
+  }
+  const Vec3 axis = area.normal.norm() > 0.5 ? area.normal.normalized() : Vec3(Vec3::UnitZ());
+  return nearest + Eigen::AngleAxisd(by_rad, axis) * (area.position - nearest);
+}
+
 /// Free, or a voxel below the surface: what lies deeper a camera does not see, and refuses.
 bool open_to_view(const map::VoxelMap& map, const Vec3& spot) {
   const map::VoxelKey k = map.key(spot);
@@ -176,10 +195,16 @@ bool open_to_view(const map::VoxelMap& map, const Vec3& spot) {
 
 }  // namespace
 
-Vec3 spot_to_ask(const robot::Knowledge& k, const mission::Area& area) {
+Vec3 spot_to_ask(const robot::Knowledge& k, const mission::Area& area, int attempt) {
   if (!known_near(k, area.position)) return area.position;
   const Vec3 squarest = (area.sighted_from.p - area.position).normalized();
   std::optional<Vec3> hidden;
+  if (attempt % 3 != 0) {
+    const Vec3 beside = turned(k, area, attempt % 3 == 1 ? kTurn_rad : -kTurn_rad);
+    const std::optional<Vec3> spot = aside(k, beside, Vec3::Zero());
+    if (spot && (*spot - area.position).norm() < kAside_m && open_to_view(k.map(), *spot))
+      return *spot;
+  }
   for (const Vec3& up : {Vec3(Vec3::Zero()), area.normal, squarest, Vec3(Vec3::UnitZ())}) {
     const std::optional<Vec3> spot = aside(k, area.position, up);
     if (!spot) continue;

@@ -30,8 +30,9 @@ std::optional<ViewPose> view_pose(robot::Knowledge& knowledge, const mission::Ar
 
 /// Where to ask for, about an area: its position, moved a little when features that are known
 /// already lie so near that the answer would be about them. Not moved when that would take too
-/// much.
-Vec3 spot_to_ask(const robot::Knowledge& knowledge, const mission::Area& area);
+/// much. Whatever is there may lie on another side of the known feature than its sightings say:
+/// with `attempt` the spot turns around it.
+Vec3 spot_to_ask(const robot::Knowledge& knowledge, const mission::Area& area, int attempt = 0);
 
 /// A feature that was found already lies within the rule's distance of `spot`: a look that does not
 /// show it is refused, whatever else is there.

@@ -45,7 +45,7 @@ Worth PanoramaReader::column(const Vec3& eye, double yaw_rad, int column) const 
       const Voxel v = reader.at(k);
       if (v == Voxel::kOccupied) {
         if (!unknown_before && d <= config_.look_range_m)
-          worth.owed_m2 += cells_.owed_from(k, eye) ? d * d * solid_rad2 : 0;
+          worth.owed_m2 += cells_.promise_from(k, eye) * d * d * solid_rad2;
         break;
       }
       if (v == Voxel::kUnknown) {

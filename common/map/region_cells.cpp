@@ -1,6 +1,11 @@
 #include "common/map/region_cells.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <numbers>
+
+#include "common/map/voxel_reader.h"
 
 namespace muster::map {
 namespace {
@@ -8,7 +13,18 @@ namespace {
 constexpr double kLowestSurfaceM =
     0.8;  // features are above 1 m; a voxel and the sighting's error below that
 constexpr std::uint8_t kVainLooks = 3;
+// Percent that a look at a surface voxel promises, by the looks that it had: none, one, enough but
+// not from this side. README "What a look promises" has the measurements.
+constexpr std::uint8_t kEdge[] = {100, 40, 30};  // faces to the side and up or down
+constexpr std::uint8_t kSide[] = {100, 50, 20};  // to the side only
+constexpr std::uint8_t kStep[] = {10, 0, 0};     // to the side only, and no wall
+constexpr std::uint8_t kLevel[] = {20, 0, 8};    // up or down only: floors, ceilings, roofs
+// Sides below an overhang, by the sectors that looks came from: a slit narrower than a voxel shows
+// its depth only to looks along it.
+constexpr std::uint8_t kNook[] = {30, 30, 15};
+constexpr int kWall = 2;  // of the eight around it, at least
 const Plane kNothing{};
+constexpr int kUp = 4;  // of kFaces
 
 std::vector<BlockKey> blocks_of(const Box& box, double block_m) {
   const auto index = [&](double v) { return static_cast<int>(std::floor(v / block_m)); };
@@ -50,6 +66,11 @@ Plane plane(const std::uint64_t* words) {
 }
 
 }  // namespace
+
+Sectors sector_of(const Vec3& d) {
+  const double eighths = (std::atan2(d.y(), d.x()) + std::numbers::pi) / (std::numbers::pi / 4);
+  return static_cast<Sectors>(1u << std::min(7, static_cast<int>(eighths)));
+}
 
 RegionCells::RegionCells(const VoxelMap& map, const Box& box, std::uint32_t looks,
                          double max_extent_m)
@@ -116,13 +137,22 @@ void RegionCells::settle() {
   }
 }
 
+/// The surface voxels of a block by what of them was looked at.
+struct RegionCells::Surfaces {
+  Plane never{}, rarely{};          ///< looked at: not once, not often enough
+  Plane side_open{}, level_open{};  ///< faces to the side, up or down that are open
+  Plane side_owed{}, level_owed{};  ///< and that nobody looked at
+  Plane nook{};                     ///< sides below an overhang
+};
+
 void RegionCells::recompute(std::size_t index) {
   Slot& slot = slots_[index];
   slot.dirty = false;
   const BlockView view = map_.view(slot.key);
   if (!view) return;
-  const Plane free = plane(view.free);
-  Plane beside_unknown{}, beside_free{}, credit{}, lateral{}, face_owed{}, level_owed{};
+  const Plane free = plane(view.free), under_here = under_overhang(slot.key);
+  Plane beside_unknown{}, once{}, often{};
+  Surfaces s;
   for (int face = 0; face < 6; ++face) {
     const VoxelKey& d = kFaces[face];
     const auto f = static_cast<std::size_t>(face);
@@ -134,46 +164,155 @@ void RegionCells::recompute(std::size_t index) {
     const Plane free_ahead = shifted(
         free, plane(map_.view({slot.key.x + d.x, slot.key.y + d.y, slot.key.z + d.z}).free), face);
     const Plane unknown_ahead = shifted(slot.unknown, ahead ? ahead->unknown : kNothing, face);
-    const Plane seen_ahead = shifted(slot.seen, ahead ? ahead->seen : kNothing, face);
-    const Plane seen_behind = shifted(slot.seen, behind ? behind->seen : kNothing, face ^ 1);
+    // Noise moves a surface by a voxel along its normal: the looks at it still count. (Those at the
+    // same face only: behind the underside of a roof lies its upper side.)
+    const auto along = [&](const Plane& own, const Plane& next, const Plane& last) {
+      Plane both = shifted(own, next, face);
+      const Plane other = shifted(own, last, face ^ 1);
+      for (std::size_t w = 0; w < 64; ++w) both[w] |= other[w];
+      return both;
+    };
+    const Plane seen_along =
+        along(slot.seen, ahead ? ahead->seen : kNothing, behind ? behind->seen : kNothing);
+    const Plane face_along = along(slot.face_seen[f], ahead ? ahead->face_seen[f] : kNothing,
+                                   behind ? behind->face_seen[f] : kNothing);
+    if (d.z == 0) {
+      const Plane below = shifted(
+          under_here, under_overhang({slot.key.x + d.x, slot.key.y + d.y, slot.key.z}), face);
+      for (std::size_t w = 0; w < 64; ++w) s.nook[w] |= below[w];
+    }
+    Plane& open_here = d.z == 0 ? s.side_open : s.level_open;
+    Plane& owed_here = d.z == 0 ? s.side_owed : s.level_owed;
     for (std::size_t w = 0; w < 64; ++w) {
       beside_unknown[w] |= unknown_ahead[w];
-      beside_free[w] |= free_ahead[w];
-      // Noise moves a surface by a voxel along its normal: the looks at it still count.
-      credit[w] |= free_ahead[w] & (seen_ahead[w] | seen_behind[w]);
-    }
-    const Plane face_ahead =
-        shifted(slot.face_seen[f], ahead ? ahead->face_seen[f] : kNothing, face);
-    const Plane face_behind =
-        shifted(slot.face_seen[f], behind ? behind->face_seen[f] : kNothing, face ^ 1);
-    Plane& owed_here = d.z == 0 ? face_owed : level_owed;
-    for (std::size_t w = 0; w < 64; ++w) {
-      if (d.z == 0) lateral[w] |= free_ahead[w];
-      owed_here[w] |= free_ahead[w] & ~(slot.face_seen[f][w] | face_ahead[w] | face_behind[w]);
+      once[w] |= free_ahead[w] & face_along[w];
+      often[w] |= free_ahead[w] & face_along[w] & seen_along[w];
+      open_here[w] |= free_ahead[w];
+      owed_here[w] |= free_ahead[w] & ~(slot.face_seen[f][w] | face_along[w]);
     }
   }
   Plane frontier, owed;
   for (std::size_t w = 0; w < 64; ++w) {
     frontier[w] = free[w] & slot.inside[w] & beside_unknown[w] & ~slot.given_up[w];
-    const std::uint64_t rarely = ~slot.seen[w] & ~credit[w];
-    const std::uint64_t sides = sides_ ? face_owed[w] | (level_owed[w] & lateral[w]) : 0;
-    owed[w] = view.occupied[w] & slot.high_enough[w] & beside_free[w] & (rarely | sides);
+    s.never[w] = ~slot.once[w] & ~once[w];
+    s.rarely[w] = ~slot.seen[w] & ~often[w];
+    const std::uint64_t sides = s.side_owed[w] | (s.level_owed[w] & s.side_open[w]);
+    const std::uint64_t surface =
+        view.occupied[w] & slot.high_enough[w] & (s.side_open[w] | s.level_open[w]);
+    owed[w] = surface & (s.rarely[w] | sides);
+    s.nook[w] &= surface;
   }
+  if (looks_ == 0) owed = s.nook = kNothing;
+  weigh(slot, s, owed);
+  weigh_nooks(slot, s, owed);
   if (looks_ > 0) {
     Plane fresh;
     for (std::size_t w = 0; w < 64; ++w) {
       fresh[w] = owed[w] & ~slot.told[w];
       slot.told[w] |= owed[w];
     }
+    surfaces_ += static_cast<std::uint64_t>(count(fresh));
     for_each_bit(fresh, [&](int i) { new_surface_.push_back(voxel_in(slot.key, i)); });
   }
   frontier_.set(index, frontier);
-  owed_.set(index, looks_ == 0 ? kNothing : owed);
+  owed_.set(index, owed);
 }
 
-void RegionCells::ask_for_sides(bool ask) {
-  if (std::exchange(sides_, ask) == ask) return;
-  for (Slot& slot : slots_) slot.dirty = true;
+/// Of the eight around a voxel, in the plane of a face, how many have the same face open: a
+/// surface, or a step of noise. The best of `faces`.
+int RegionCells::support(VoxelKey k, FaceSet faces) const {
+  VoxelReader reader(map_);
+  int best = 0;
+  for (int face = 0; face < 6; ++face) {
+    if ((faces >> face & 1) == 0) continue;
+    const VoxelKey& d = kFaces[face];
+    int n = 0;
+    for (int i = 0; i < 9; ++i) {
+      const int a = i % 3 - 1, b = i / 3 - 1;
+      if (a == 0 && b == 0) continue;
+      const VoxelKey q = d.x != 0   ? VoxelKey{k.x, k.y + a, k.z + b}
+                         : d.y != 0 ? VoxelKey{k.x + a, k.y, k.z + b}
+                                    : VoxelKey{k.x + a, k.y + b, k.z};
+      n += reader.at(q) == Voxel::kOccupied && reader.free({q.x + d.x, q.y + d.y, q.z + d.z});
+    }
+    best = std::max(best, n);
+  }
+  return best;
+}
+
+/// Free voxels with an occupied one above.
+Plane RegionCells::under_overhang(BlockKey b) const {
+  const BlockView view = map_.view(b);
+  if (!view) return kNothing;
+  Plane under = shifted(plane(view.occupied), plane(map_.view({b.x, b.y, b.z + 1}).occupied), kUp);
+  for (std::size_t w = 0; w < 64; ++w) under[w] &= view.free[w];
+  return under;
+}
+
+Sectors RegionCells::sectors_at(VoxelKey k) const {
+  const std::size_t i = index_of(block_of(k));
+  if (i == kNone || slots_[i].sectors.empty()) return 0;
+  return slots_[i].sectors[static_cast<std::size_t>(local_index(k))];
+}
+
+/// The looks at what is now here, though noise may have moved it by a voxel since.
+Sectors RegionCells::sectors_around(VoxelKey k) const {
+  Sectors seen = sectors_at(k);
+  for (int face = 0; face < 4; ++face)
+    seen |= sectors_at({k.x + kFaces[face].x, k.y + kFaces[face].y, k.z});
+  return seen;
+}
+
+/// Fills in the promise of owed voxels, and unmarks what promises next to nothing.
+void RegionCells::weigh(Slot& slot, const Surfaces& s, Plane& owed) const {
+  if (slot.promise.empty() && (owed != kNothing || s.nook != kNothing))
+    slot.promise.assign(kBlockVoxels, 0);
+  for_each_bit(owed, [&](int i) {
+    const std::size_t looks = bit(s.never, i) ? 0 : bit(s.rarely, i) ? 1 : 2;
+    const bool side = bit(looks < 2 ? s.side_open : s.side_owed, i);
+    const bool level = bit(looks < 2 ? s.level_open : s.level_owed, i);
+    std::uint8_t promise = kEdge[looks];
+    if (side && !level) {
+      const VoxelKey k = voxel_in(slot.key, i);
+      FaceSet faces = 0;
+      for (int face = 0; face < 4; ++face) {
+        const VoxelKey& d = kFaces[face];
+        const bool shown = looks == 2 && bit(slot.face_seen[static_cast<std::size_t>(face)], i);
+        if (!shown && map_.at(VoxelKey{k.x + d.x, k.y + d.y, k.z + d.z}) == Voxel::kFree)
+          faces = static_cast<FaceSet>(faces | 1u << face);
+      }
+      promise = support(k, faces) < kWall ? kStep[looks] : kSide[looks];
+    } else if (!side) {
+      promise = kLevel[looks];
+    }
+    slot.promise[static_cast<std::size_t>(i)] = promise;
+    if (promise == 0) put(owed, i, false);
+  });
+}
+
+/// Marks what is owed nothing else, but lies below an overhang and was seen from few sides.
+void RegionCells::weigh_nooks(Slot& slot, const Surfaces& s, Plane& owed) const {
+  slot.nook = kNothing;
+  for_each_bit(s.nook, [&](int i) {
+    if (bit(owed, i)) return;
+    const auto n = static_cast<std::size_t>(std::popcount(sectors_around(voxel_in(slot.key, i))));
+    if (n >= std::size(kNook)) return;
+    slot.promise[static_cast<std::size_t>(i)] = kNook[n];
+    put(slot.nook, i, true);
+    put(owed, i, true);
+  });
+}
+
+Sectors RegionCells::exhausted_sectors(VoxelKey k) const {
+  const std::size_t i = index_of(block_of(k));
+  return i != kNone && bit(slots_[i].nook, local_index(k)) ? sectors_around(k) : Sectors{0};
+}
+
+double RegionCells::promise(VoxelKey k) const {
+  const std::size_t i = index_of(block_of(k));
+  const int at = local_index(k);
+  if (i == kNone || !bit(owed_.marks(i), at)) return 0;
+  return slots_[i].promise[static_cast<std::size_t>(at)] / 100.0;
 }
 
 void RegionCells::looked_in_vain(VoxelKey k) {
@@ -199,27 +338,36 @@ FaceSet RegionCells::owed_faces(VoxelKey k) const {
     if (d.z == 0) lateral |= one;
     if (!bit(slot.face_seen[static_cast<std::size_t>(face)], at)) unseen |= one;
   }
+  if (bit(slot.nook, at)) return lateral;
   if (rarely) return open;
-  return sides_ && lateral != 0 ? unseen : 0;
+  return lateral != 0 ? unseen : 0;
 }
 
-bool RegionCells::owed_from(VoxelKey k, const Vec3& eye) const {
+double RegionCells::promise_from(VoxelKey k, const Vec3& eye) const {
   const FaceSet owed = owed_faces(k);
-  if (owed == 0) return false;
+  if (owed == 0) return 0;
   const Vec3 towards = (eye - map_.center(k)).normalized();
+  if ((exhausted_sectors(k) & sector_of(towards)) != 0) return 0;
   for (int face = 0; face < 6; ++face) {
-    if ((owed >> face & 1) != 0 && towards.dot(face_normal(face)) > kLeastFacing) return true;
+    if ((owed >> face & 1) != 0 && towards.dot(face_normal(face)) > kLeastFacing) return promise(k);
   }
-  return false;
+  return 0;
 }
 
-void RegionCells::count_look(VoxelKey k, FaceSet faces) {
+void RegionCells::count_look(VoxelKey k, FaceSet faces, const Vec3& eye) {
   const std::size_t index = index_of(block_of(k));
   if (index == kNone) return;
   Slot& slot = slots_[index];
   const int at = local_index(k);
-  if (slot.looks.empty()) slot.looks.assign(kBlockVoxels, 0);
+  if (slot.looks.empty()) {
+    slot.looks.assign(kBlockVoxels, 0);
+    slot.sectors.assign(kBlockVoxels, 0);
+  }
   bool news = false;
+  Sectors& sectors = slot.sectors[static_cast<std::size_t>(at)];
+  const Sectors from = sector_of(eye - map_.center(k));
+  if (bit(slot.nook, at) && (sectors & from) == 0) news = true;
+  sectors |= from;
   for (int face = 0; face < 6; ++face) {
     Plane& seen = slot.face_seen[static_cast<std::size_t>(face)];
     if ((faces >> face & 1) == 0 || bit(seen, at)) continue;
@@ -228,10 +376,8 @@ void RegionCells::count_look(VoxelKey k, FaceSet faces) {
   }
   std::uint8_t& n = slot.looks[static_cast<std::size_t>(at)];
   if (n < looks_ || news) ++looks_counted_;
-  if (n < 255 && ++n == looks_) {
-    put(slot.seen, at, true);
-    news = true;
-  }
+  if (n == 0) put(slot.once, at, true), news = true;
+  if (n < 255 && ++n == looks_) put(slot.seen, at, true), news = true;
   if (news) mark_around(index);
 }
 

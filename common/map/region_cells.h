@@ -20,17 +20,20 @@ inline Vec3 face_normal(int face) {
   return {static_cast<double>(d.x), static_cast<double>(d.y), static_cast<double>(d.z)};
 }
 
-/// The voxels of one box that are worth looking at, kept up to date block by block:
+/// Where looks at a surface come from: bit i for the i-th eighth of the compass.
+using Sectors = std::uint8_t;
+Sectors sector_of(const Vec3& surface_to_eye);
+
+/// The voxels of one box that are worth looking at, kept up to date block by block. Marks:
 ///
-/// | marks      | a voxel that is … |
-/// |------------|--------------------------------------------------------------------------------------|
-/// | frontier   | free, in the box, beside an unknown one in the box, and not given up | | owed |
-/// occupied, in the box, at least 0.8 m high, beside a free one, looked at too rarely,  | | | or
-/// never from the side of one of its open faces                                      |
+/// - frontier: free, in the box, beside an unknown voxel in the box, and not given up;
+/// - owed: occupied, in the box, at least 0.8 m high, beside a free one, and looks may still show
+///   something there that none has shown.
 ///
-/// A look from above says nothing of what hangs below an eave that is one voxel thick. A face up or
-/// down is asked for only beside an open side: the middle of a floor or ceiling is not in the way
-/// of anything, and nobody inspects it at 60° of incidence with a level camera.
+/// What a look may show is not the same everywhere. A voxel seen from above says nothing of what
+/// hangs below an eave that is one voxel thick, so an open face is owed a look from its own side;
+/// but most side faces are steps that noise has made in a roof. `promise` says how much of a
+/// surface is likely there that no look has shown: measured, see the README of this folder.
 class RegionCells {
  public:
   RegionCells(const VoxelMap& map, const Box& box, std::uint32_t looks, double max_extent_m);
@@ -48,21 +51,26 @@ class RegionCells {
     const std::size_t i = index_of(block_of(k));
     return i != kNone && bit(slots_[i].unknown, local_index(k));
   }
-  /// Are faces owed looks of their own? True at first. Takes effect with `settle`.
-  void ask_for_sides(bool ask);
   /// The faces from whose side this surface voxel is still owed a look.
   FaceSet owed_faces(VoxelKey k) const;
-  /// A look from `eye` would show one of them, if nothing is in between.
-  bool owed_from(VoxelKey k, const Vec3& eye) const;
+  /// The sectors from which a look would show nothing new of it.
+  Sectors exhausted_sectors(VoxelKey k) const;
+  /// How much a look at this surface voxel promises, 0 to 1: 1 for one that nobody looked at, with
+  /// an edge in the open; 0: it is owed nothing.
+  double promise(VoxelKey k) const;
+  /// What a look from `eye` promises, if nothing is in between.
+  double promise_from(VoxelKey k, const Vec3& eye) const;
   std::uint64_t looks_counted() const { return looks_counted_; }
+  /// Surface voxels that were owed looks at some time.
+  std::uint64_t surfaces() const { return surfaces_; }
   bool given_up(VoxelKey k) const {
     const std::size_t i = index_of(block_of(k));
     return i != kNone && bit(slots_[i].given_up, local_index(k));
   }
   /// A scan should have resolved this frontier voxel and did not. After a few times it is given up.
   void looked_in_vain(VoxelKey frontier);
-  /// These faces of a surface voxel were in view at a look of the detector.
-  void count_look(VoxelKey surface, FaceSet faces);
+  /// These faces of a surface voxel were in view at a look of the detector, from `eye`.
+  void count_look(VoxelKey surface, FaceSet faces, const Vec3& eye);
   /// Surface voxels that came to be owed looks since the last call: earlier looks may have had them
   /// in view before they were known. Every voxel is told of once.
   std::vector<VoxelKey> take_new_surface() { return std::exchange(new_surface_, {}); }
@@ -86,10 +94,14 @@ class RegionCells {
   struct Slot {
     BlockKey key;
     Plane inside{}, unknown{}, high_enough{};
-    Plane given_up{}, seen{}, told{};
+    Plane given_up{}, told{};
+    Plane once{}, seen{};              ///< looked at once, often enough
+    Plane nook{};                      ///< owed looks from other sectors only
     std::map<int, std::uint8_t> vain;  ///< few
     std::vector<std::uint8_t> looks;   ///< empty until the first
+    std::vector<Sectors> sectors;      ///< that looks came from; likewise
     std::array<Plane, 6> face_seen{};
+    std::vector<std::uint8_t> promise;  ///< of owed voxels, percent; empty until the first
     int known = 0;
     bool dirty = false;
   };
@@ -104,17 +116,23 @@ class RegionCells {
   }
   void mark_around(std::size_t slot);
   void recompute(std::size_t slot);
+  struct Surfaces;
+  void weigh(Slot& slot, const Surfaces& surfaces, Plane& owed) const;
+  void weigh_nooks(Slot& slot, const Surfaces& surfaces, Plane& owed) const;
+  int support(VoxelKey k, FaceSet faces) const;
+  Plane under_overhang(BlockKey b) const;
+  Sectors sectors_at(VoxelKey k) const;
+  Sectors sectors_around(VoxelKey k) const;
 
   const VoxelMap& map_;
   std::uint32_t looks_;
-  bool sides_ = true;
   std::vector<Slot> slots_;
   BlockKey first_;  ///< slots are in order of x, y, z from here
   int nx_ = 0, ny_ = 0, nz_ = 0;
   CellClusters::Neighbours neighbours_;
   CellClusters frontier_, owed_;
   std::vector<VoxelKey> new_surface_;
-  std::uint64_t cursor_ = 0, growth_ = 0, looks_counted_ = 0;
+  std::uint64_t cursor_ = 0, growth_ = 0, looks_counted_ = 0, surfaces_ = 0;
 };
 
 }  // namespace muster::map

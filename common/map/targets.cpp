@@ -18,7 +18,8 @@ constexpr std::uint64_t kGrowthThatMatters =
     40;                           // voxels become known: refused clusters are tried again
 constexpr int kVisitsInVain = 4;  // counted 2 for a scan from the very viewpoint, 1 from near it
 constexpr int kLooksInVain = 2;   // a look is all or nothing: the next shows the same
-constexpr double kSliver = 0.3;   // of the smallest cluster
+constexpr double kLeastPromise_m2 = 0.12;
+constexpr double kSliver = 0.3;  // of the smallest cluster
 constexpr double kSameClusterM = 1.0, kMovedM = 0.3;
 
 struct Tracked {
@@ -26,6 +27,7 @@ struct Tracked {
   Vec3 centroid = Vec3::Zero();
   std::uint32_t id = 0;
   bool surface = false;
+  double promise_m2 = 0;  ///< of a surface
   std::vector<Viewpoint> views;
   std::vector<Vec3> avoid;  ///< viewpoints that brought nothing
   bool searched = false;    ///< for these very cells
@@ -68,6 +70,7 @@ struct Targets::Impl {
   std::vector<Viewpoint> viewpoints;
   std::vector<Refused> refused;
   double frontier_m2 = 0, owed_m2 = 0;
+  double least_promise_m2 = kLeastPromise_m2;
   bool done = false;
 
   double area_m2(const Tracked& t) const {
@@ -76,6 +79,7 @@ struct Targets::Impl {
   }
   /// A sliver beside a larger part of its group is left: on its own it would be too small.
   bool is_owed(const Tracked& t) const {
+    if (t.surface) return t.promise_m2 >= least_promise_m2;
     return t.cluster.group_m2 >= config.min_cluster_m2 - 1e-9 &&
            area_m2(t) >= kSliver * config.min_cluster_m2;
   }
@@ -121,7 +125,8 @@ void Targets::Impl::take_looks() {
       seen.push_back(k);
       faces.push_back(in_view);
     });
-    for (std::size_t i = 0; i < seen.size(); ++i) cells.count_look(seen[i], faces[i]);
+    for (std::size_t i = 0; i < seen.size(); ++i)
+      cells.count_look(seen[i], faces[i], look.sensor.p);
     visit(owed, look.sensor, seen);
   }
   past_looks.insert(past_looks.end(), looks.begin(), looks.end());
@@ -141,7 +146,7 @@ void Targets::Impl::credit_past_looks() {
       if (!fov.contains(look.sensor, look.pitch_rad, p)) continue;
       const FaceSet in_view = faces_sighted(map, aim, look.sensor.p, fov.range_m);
       if (in_view == 0) continue;
-      cells.count_look(k, in_view);
+      cells.count_look(k, in_view, look.sensor.p);
       aim = surface_aim(map, cells, k);
     }
   }
@@ -236,6 +241,12 @@ void Targets::Impl::track(CellClusters& source, bool surface, std::vector<Tracke
   }
   std::sort(tracked.begin(), tracked.end(),
             [](const Tracked& a, const Tracked& b) { return a.id < b.id; });
+  if (!surface) return;
+  const double cell_m2 = map.config().resolution_m * map.config().resolution_m;
+  for (Tracked& t : tracked) {
+    t.promise_m2 = 0;
+    for (const VoxelKey& k : t.cluster.cells) t.promise_m2 += cell_m2 * cells.promise(k);
+  }
 }
 
 void Targets::Impl::drop_blocked_views(std::vector<Tracked>& tracked) {
@@ -279,7 +290,9 @@ void Targets::Impl::search_viewpoints(const std::function<bool(const Vec3&)>& re
   });
   for (auto& [rank, off_m, t] : queue) {
     if (budget-- == 0) break;
-    t->views = search.find({&t->cluster.cells, t->surface, &t->avoid}, reachable);
+    t->views = search.find({&t->cluster.cells, t->surface, &t->avoid,
+                            t->surface ? least_promise_m2 : config.min_cluster_m2},
+                           reachable);
     for (Viewpoint& v : t->views) v.cluster = t->id;
     t->searched = true;
     t->searched_growth = cells.growth();
@@ -302,8 +315,9 @@ void Targets::Impl::sum_up() {
       const std::string what = t.surface ? "surface" : "frontier";
       if (!is_owed(t)) {
         char least[32];
-        std::snprintf(least, sizeof least, "%.1f m²", config.min_cluster_m2);
-        refuse(what + ": smaller than " + least);
+        std::snprintf(least, sizeof least, "%.2f m²",
+                      t.surface ? least_promise_m2 : config.min_cluster_m2);
+        refuse(what + (t.surface ? ": looks promise less than " : ": smaller than ") + least);
       } else if (t.exhausted) {
         refuse(what + ": looked at from its viewpoints, nothing became known");
       } else if (!t.views.empty()) {
@@ -330,7 +344,7 @@ void Targets::looked(const Pose& sensor, double pitch_rad) {
 }
 void Targets::scanned(const Pose& sensor) { impl_->scans.push_back(sensor); }
 
-void Targets::ask_for_sides(bool ask) { impl_->cells.ask_for_sides(ask); }
+void Targets::ask_for(double promise_m2) { impl_->least_promise_m2 = promise_m2; }
 
 void Targets::settle() {
   Impl& t = *impl_;
@@ -360,6 +374,10 @@ const std::vector<Refused>& Targets::refused() const { return impl_->refused; }
 bool Targets::done() const { return impl_->done; }
 double Targets::frontier_m2() const { return impl_->frontier_m2; }
 double Targets::owed_surface_m2() const { return impl_->owed_m2; }
+double Targets::surface_m2() const {
+  const double cell_m2 = std::pow(impl_->map.config().resolution_m, 2);
+  return static_cast<double>(impl_->cells.surfaces()) * cell_m2;
+}
 std::uint64_t Targets::looks_counted() const { return impl_->cells.looks_counted(); }
 
 }  // namespace muster::map

@@ -15,7 +15,7 @@ namespace muster::map {
 /// A pose worth flying to, and what the camera would newly see from there.
 struct Viewpoint {
   Pose pose;
-  double gain = 0;       ///< frontier area (m²) or surface area still owed looks (m²) in view
+  double gain = 0;       ///< in view: frontier area (m²), or what looks at surfaces promise (m²)
   bool surface = false;  ///< false: a frontier; true: surface that the feature detector has not
                          ///< looked at often enough
   std::uint32_t cluster = 0;
@@ -24,7 +24,7 @@ struct Viewpoint {
 /// What the camera would newly show from a pose, as far as the map can tell.
 struct Worth {
   double unknown_m3 = 0;  ///< unknown volume of the box, if what is unknown were nearly empty
-  double owed_m2 = 0;     ///< surface still owed looks, as seen from there (one look)
+  double owed_m2 = 0;     ///< what one look at surfaces from there promises (RegionCells)
 };
 
 /// The worth of every heading at one spot.
@@ -38,7 +38,7 @@ struct Panorama {
 struct Refused {
   Vec3 centroid = Vec3::Zero();
   double area_m2 = 0;
-  std::string reason;  ///< "no reachable pose sees it", "smaller than 0.5 m²", …
+  std::string reason;  ///< "no reachable pose sees it", "smaller than 0.50 m²", …
 };
 
 struct TargetConfig {
@@ -74,9 +74,8 @@ class Targets {
   /// (cheap; called for candidates only).
   void update(const std::function<bool(const Vec3&)>& reachable);
 
-  /// Besides, every open face of a surface voxel (towards a free 6-neighbour) is owed a look from
-  /// its own side. True at first.
-  void ask_for_sides(bool ask);
+  /// What looks at a cluster of surface voxels must promise, in area that nobody looked at.
+  void ask_for(double promise_m2);
 
   /// Takes in what the last scans and looks changed, without clusters and viewpoints: enough for
   /// `panorama` and `worth`, and far cheaper than `update`.
@@ -97,6 +96,8 @@ class Targets {
   bool done() const;
   double frontier_m2() const;
   double owed_surface_m2() const;
+  /// Surface found so far.
+  double surface_m2() const;
   /// Looks at surface voxels that counted, so far.
   std::uint64_t looks_counted() const;
 

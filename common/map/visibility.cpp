@@ -14,7 +14,7 @@ constexpr double kDistancesM[] = {0.8, 1.5, 2.4, 3.5};
 constexpr double kSlopes[] = {0, 0.3, -0.3};  // height over distance
 constexpr double kEnough = 0.6;     // a first viewpoint that sees this share needs no second
 constexpr double kGoodShare = 0.6;  // of the best score: among these, what else is in view decides
-constexpr std::size_t kFinalists = 4;
+constexpr std::size_t kFinalists = 12;
 constexpr double kAvoidM = 0.5;
 
 bool shows(const VoxelMap& map, const Aim::Spot& s, const Vec3& eye, double range_m) {
@@ -27,7 +27,7 @@ bool shows(const VoxelMap& map, const Aim::Spot& s, const Vec3& eye, double rang
 }  // namespace
 
 Aim frontier_aim(const VoxelMap& map, const RegionCells& cells, VoxelKey k) {
-  Aim aim{k, {}};
+  Aim aim{k, 1, 0, {}};
   for (const VoxelKey& d : kFaces) {
     const VoxelKey u{k.x + d.x, k.y + d.y, k.z + d.z};
     if (cells.unknown_in_box(u)) aim.spots.push_back({map.center(u), -1});
@@ -36,7 +36,7 @@ Aim frontier_aim(const VoxelMap& map, const RegionCells& cells, VoxelKey k) {
 }
 
 Aim surface_aim(const VoxelMap& map, const RegionCells& cells, VoxelKey k) {
-  Aim aim{k, {}};
+  Aim aim{k, cells.promise(k), cells.exhausted_sectors(k), {}};
   const FaceSet owed = cells.owed_faces(k);
   for (int face = 0; face < 6; ++face) {
     if ((owed >> face & 1) == 0) continue;
@@ -47,12 +47,14 @@ Aim surface_aim(const VoxelMap& map, const RegionCells& cells, VoxelKey k) {
 }
 
 bool sighted(const VoxelMap& map, const Aim& aim, const Vec3& eye, double range_m) {
+  if ((aim.exhausted & sector_of(eye - map.center(aim.cell))) != 0) return false;
   return std::ranges::any_of(aim.spots,
                              [&](const Aim::Spot& s) { return shows(map, s, eye, range_m); });
 }
 
 FaceSet faces_sighted(const VoxelMap& map, const Aim& aim, const Vec3& eye, double range_m) {
   FaceSet faces = 0;
+  if ((aim.exhausted & sector_of(eye - map.center(aim.cell))) != 0) return 0;
   for (const Aim::Spot& s : aim.spots) {
     if (shows(map, s, eye, range_m)) faces = static_cast<FaceSet>(faces | 1u << s.face);
   }
@@ -92,6 +94,8 @@ std::optional<ViewpointSearch::Candidate> ViewpointSearch::judge(const std::vect
     double az;
     std::uint32_t aim;
   };
+  double all = 0;
+  for (const Aim& a : aims) all += a.weight;
   std::vector<Seen> seen;
   for (std::uint32_t i = 0; i < aims.size(); ++i) {
     const Vec3 d = map_.center(aims[i].cell) - eye;
@@ -102,31 +106,29 @@ std::optional<ViewpointSearch::Candidate> ViewpointSearch::judge(const std::vect
   }
   if (seen.empty()) return std::nullopt;
   // The heading whose field of view holds the most: it may start at any of them.
-  std::size_t best_n = 0;
-  double best_yaw = 0;
+  double best = 0, best_yaw = 0;
   for (const Seen& start : seen) {
-    std::size_t n = 0;
-    double last = 0;
+    double sum = 0, last = 0;
     for (const Seen& s : seen) {
       double off = s.az - start.az;
       if (off < -1e-12) off += 2 * std::numbers::pi;
       if (off > fov.hfov_rad) continue;
-      ++n;
+      sum += aims[s.aim].weight;
       last = std::max(last, off);
     }
-    if (n > best_n) {
-      best_n = n;
+    if (sum > best) {
+      best = sum;
       best_yaw = wrap_angle(start.az + last / 2);
     }
   }
   Candidate c;
   c.pose = {eye, best_yaw};
   for (const Seen& s : seen) {
-    if (fov.contains(c.pose, config_.pitch_rad, map_.center(aims[s.aim].cell)))
-      c.sees.push_back(s.aim);
+    if (!fov.contains(c.pose, config_.pitch_rad, map_.center(aims[s.aim].cell))) continue;
+    c.sees.push_back(s.aim);
+    c.score += aims[s.aim].weight / all;
   }
   if (c.sees.empty()) return std::nullopt;
-  c.score = static_cast<double>(c.sees.size()) / static_cast<double>(aims.size());
   return c;
 }
 
@@ -135,11 +137,12 @@ double ViewpointSearch::area_in_view(const Pose& pose, bool surface) const {
   const double cell_m2 = map_.config().resolution_m * map_.config().resolution_m;
   // Every third cell stands for three.
   constexpr int kStride = 3;
-  int n = 0, seen = 0;
+  int n = 0;
+  double seen = 0;
   cells_.near(surface ? cells_.owed() : cells_.frontier(), pose.p, fov.range_m, [&](VoxelKey k) {
     if (n++ % kStride != 0 || !fov.contains(pose, config_.pitch_rad, map_.center(k))) return;
-    seen += sighted(map_, surface ? surface_aim(map_, cells_, k) : frontier_aim(map_, cells_, k),
-                    pose.p, fov.range_m);
+    const Aim aim = surface ? surface_aim(map_, cells_, k) : frontier_aim(map_, cells_, k);
+    if (sighted(map_, aim, pose.p, fov.range_m)) seen += aim.weight;
   });
   return seen * kStride * cell_m2;
 }
@@ -197,10 +200,11 @@ std::vector<Viewpoint> ViewpointSearch::find(
       }
     }
   }
-  const double cluster_m2 = static_cast<double>(cluster.cells->size()) *
-                            map_.config().resolution_m * map_.config().resolution_m;
+  double cluster_m2 = 0;
+  for (const VoxelKey& k : *cluster.cells) cluster_m2 += cluster.surface ? cells_.promise(k) : 1;
+  cluster_m2 *= map_.config().resolution_m * map_.config().resolution_m;
   // A pose for a few voxels of a cluster is not worth the way.
-  const double least_share = std::min(0.5, 0.5 * config_.min_cluster_m2 / cluster_m2);
+  const double least_share = std::min(0.5, 0.5 * cluster.least_m2 / cluster_m2);
   std::erase_if(candidates, [&](const Candidate& c) { return c.score < least_share; });
   if (candidates.empty()) return {};
   const auto better = [](const Candidate& a, const Candidate& b) { return a.score > b.score; };

@@ -13,6 +13,8 @@ namespace muster::map {
 /// voxels beside it, for a surface the spots just before its owed faces.
 struct Aim {
   VoxelKey cell;
+  double weight = 1;      ///< of a surface: what a look promises
+  Sectors exhausted = 0;  ///< whence it shows nothing new
   struct Spot {
     Vec3 at;
     int face;  ///< index of kFaces; −1: from any side
@@ -36,6 +38,7 @@ class ViewpointSearch {
     const std::vector<VoxelKey>* cells;
     bool surface;
     const std::vector<Vec3>* avoid;  ///< spots that were of no use
+    double least_m2;                 ///< a pose for less is not worth the way
   };
   ViewpointSearch(const VoxelMap& map, RegionCells& cells, const TargetConfig& config);
 
@@ -53,6 +56,7 @@ class ViewpointSearch {
   };
   std::vector<Aim> aims(const Cluster& cluster) const;
   std::optional<Candidate> judge(const std::vector<Aim>& aims, const Vec3& eye, bool surface) const;
+  /// Frontier, or what surfaces promise, m².
   double area_in_view(const Pose& pose, bool surface) const;
   /// Unknown volume of the box that the camera would look into if it were all free, m³.
   double volume_in_view(const Pose& pose) const;

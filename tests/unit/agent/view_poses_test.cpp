@@ -56,6 +56,22 @@ TEST_CASE("the spot to ask about is moved off what is known, as little as that t
   CHECK(spot_to_ask(p.inspector, a) == a.position);
 }
 
+TEST_CASE("asked about in vain beside a known feature, the spot turns around that feature") {
+  Place p(wall);
+  mission::Area a = area_at({4.0, 0, 2}, {2.0, 0, 2});
+  a.normal = -Vec3::UnitX();
+  const Vec3 feature(4.0, 0.2, 2);
+  p.find(1, feature);
+  const Vec3 first = spot_to_ask(p.inspector, a, 0), up = spot_to_ask(p.inspector, a, 1),
+             down = spot_to_ask(p.inspector, a, 2);
+  for (const Vec3& spot : {first, up, down}) {
+    CHECK_FALSE(known_near(p.inspector, spot));
+    CHECK((spot - a.position).norm() < p.mission.inspect.match_m);
+  }
+  CHECK(std::abs(up.z() - down.z()) > p.mission.inspect.match_m);
+  CHECK(spot_to_ask(p.inspector, a, 3) == first);
+}
+
 TEST_CASE("a wall sighted from the side is looked at within the rule's incidence") {
   Place p(wall);
   const mission::Area a = area_at({4.0, 0, 2}, {2.0, 4.0, 2.2});

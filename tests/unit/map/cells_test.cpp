@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <functional>
 
 #include "common/map/region_cells.h"
 #include "common/map/targets.h"
@@ -122,40 +123,96 @@ TEST_CASE(
   REQUIRE(is_owed(wall));
   const FaceSet faces = cells.owed_faces(wall);
   REQUIRE(faces != 0);
-  cells.count_look(wall, faces);
+  cells.count_look(wall, faces, {0, -1, 1.5});
   cells.settle();
   CHECK(is_owed(wall));
-  cells.count_look(wall, faces);
+  cells.count_look(wall, faces, {0, -1, 1.5});
   cells.settle();
   CHECK_FALSE(is_owed(wall));
   CHECK_FALSE(is_owed({wall.x - 1, wall.y, wall.z}));
 }
 
-TEST_CASE("a look from above leaves the sides of a surface owed, while sides are asked for") {
+namespace {
+
+/// A map in which every voxel around the origin is known, as somebody else would tell it.
+void make_known(VoxelMap& m, const std::function<bool(const Vec3&)>& solid) {
+  for (int b = 0; b < 4 * 4 * 3; ++b) {
+    const BlockKey key{b % 4 - 2, b / 4 % 4 - 2, b / 16 - 1};
+    std::vector<Voxel> voxels;
+    voxels.reserve(kBlockVoxels);
+    for (int i = 0; i < kBlockVoxels; ++i)
+      voxels.push_back(solid(m.center(voxel_in(key, i))) ? Voxel::kOccupied : Voxel::kFree);
+    m.merge(RobotId{3}, said(key, voxels));
+  }
+}
+
+/// Looks that show `faces`, from `eye`, until they are enough.
+void look_often(RegionCells& cells, VoxelKey k, FaceSet faces, const Vec3& eye) {
+  for (int i = 0; i < 2; ++i) cells.count_look(k, faces, eye);
+  cells.settle();
+}
+
+constexpr FaceSet kTop = 16, kBottom = 32, kSouth = 8;
+const Box kBox = Box::from_corners({-3, -3, 0.5}, {3, 3, 3.5});
+
+}  // namespace
+
+TEST_CASE(
+    "looks from above leave the side of a roof owed, but not the steps that noise made in it") {
+  // A slab from y = 0 on, and one voxel upon it.
+  const auto solid = [](const Vec3& p) {
+    const bool step = p.x() > 1 && p.x() < 1.2 && p.y() > 1 && p.y() < 1.2 && p.z() < 2.2;
+    return (p.y() > 0 && p.z() > 1 && p.z() < 2) || (step && p.z() > 1);
+  };
   VoxelMap m(toy::config());
-  toy::see(m, kRoom, {{0, -1, 1.5}, 0});
-  toy::see(m, kRoom, {{-0.5, 0, 2.6}, 0.9});
-  RegionCells cells(m, kTurned, 1, 2.5);
+  make_known(m, solid);
+  RegionCells cells(m, kBox, 2, 2.5);
   cells.update();
-  // Voxels with a free one above and one beside, as at the edge of an eave.
-  VoxelKey edge;
-  FaceSet open = 0;
-  const auto sides = [](FaceSet faces) { return faces & 0b1111; };
-  cells.near(cells.owed(), Vec3::Zero(), 100, [&](VoxelKey k) {
-    const FaceSet faces = cells.owed_faces(k);
-    if (sides(faces) != 0 && sides(faces) != faces) edge = k, open = faces;
-  });
-  REQUIRE(open != 0);
-  const auto up = static_cast<FaceSet>(open & ~0b1111);
-  cells.count_look(edge, up);
-  cells.settle();
-  CHECK(cells.owed_faces(edge) == sides(open));
-  cells.ask_for_sides(false);
-  cells.settle();
-  CHECK(cells.owed_faces(edge) == 0);
-  cells.ask_for_sides(true);
-  cells.settle();
-  CHECK(cells.owed_faces(edge) == sides(open));
+  const VoxelKey edge = m.key({0.1, 0.1, 1.9}), step = m.key({1.1, 1.1, 2.1});
+  REQUIRE(cells.promise(edge) == 1);
+  REQUIRE(cells.promise(step) == 1);
+  look_often(cells, edge, kTop, {0, 0.1, 4});
+  look_often(cells, step, kTop, {1, 1, 4});
+  CHECK(cells.owed_faces(edge) == kSouth);
+  CHECK(cells.promise(edge) > 0);
+  CHECK(cells.promise(edge) < 0.5);
+  CHECK(cells.promise_from(edge, {0.1, -3, 1.9}) == cells.promise(edge));
+  CHECK(cells.promise_from(edge, {0.1, 3, 1.9}) == 0);
+  CHECK(cells.promise(step) == 0);
+  CHECK(cells.owed_faces(step) == 0);
+}
+
+TEST_CASE("the looks at the upper side of a thin roof say nothing of its underside") {
+  VoxelMap m(toy::config());
+  make_known(m, [](const Vec3& p) { return p.z() > 2 && p.z() < 2.4; });
+  RegionCells cells(m, kBox, 2, 2.5);
+  cells.update();
+  const VoxelKey below = m.key({0.1, 0.1, 2.1}), above = m.key({0.1, 0.1, 2.3});
+  REQUIRE(cells.owed_faces(below) == kBottom);
+  look_often(cells, above, kTop, {0, 0, 4});
+  CHECK(cells.owed_faces(above) == 0);
+  CHECK(cells.owed_faces(below) == kBottom);
+}
+
+TEST_CASE("the side below an overhang is owed looks from several sectors") {
+  // A wall from y = 0 on, and a roof that reaches out over it.
+  VoxelMap m(toy::config());
+  make_known(m, [](const Vec3& p) { return p.y() > 0 || (p.y() > -1 && p.z() > 2); });
+  RegionCells cells(m, kBox, 2, 2.5);
+  cells.update();
+  const VoxelKey under = m.key({0.1, 0.1, 1.9}), open = m.key({0.1, 0.1, 1.1});
+  const Vec3 p = m.center(under);
+  for (const VoxelKey& k : {under, open}) look_often(cells, k, kSouth, p + Vec3(-0.5, -2, -0.5));
+  CHECK(cells.promise(open) == 0);
+  const double at_first = cells.promise(under);
+  CHECK(at_first > 0);
+  // Once more from there shows the same.
+  CHECK(cells.promise_from(under, p + Vec3(-0.6, -2, -0.5)) == 0);
+  CHECK(cells.promise_from(under, p + Vec3(0.6, -2, -0.5)) == at_first);
+  look_often(cells, under, kSouth, p + Vec3(0.6, -2, -0.5));
+  CHECK(cells.promise(under) < at_first);
+  look_often(cells, under, kSouth, p + Vec3(2, -0.6, -0.5));
+  CHECK(cells.promise(under) == 0);
 }
 
 TEST_CASE("a frontier looked at in vain is given up") {

@@ -157,6 +157,26 @@ TEST_CASE("a viewpoint sees its cluster from where the body may be") {
   CHECK(frontier);
 }
 
+TEST_CASE(
+    "surfaces are looked at when they promise what is asked for, and refused with that reason") {
+  VoxelMap m(site_config());
+  m.insert_free_ball({5, -5, 1.5}, 1.5);
+  for (int i = 0; i < 4; ++i) toy::see(m, kSite, {{5, -5, 1.5}, 1.5 * i});
+  Targets targets(m, kBox, target_config(2));
+  const auto surfaces = [&](double promise_m2) {
+    targets.ask_for(promise_m2);
+    for (int i = 0; i < 10; ++i) targets.update([](const Vec3&) { return true; });
+    return std::ranges::count_if(targets.viewpoints(), &Viewpoint::surface);
+  };
+  const auto many = surfaces(0.1), few = surfaces(1.5);
+  CHECK(few > 0);
+  CHECK(few < many);
+  CHECK(surfaces(100) == 0);
+  CHECK(std::ranges::any_of(targets.refused(), [](const Refused& r) {
+    return r.reason == "surface: looks promise less than 100.00 m²";
+  }));
+}
+
 TEST_CASE("the same flight gives the same viewpoints") {
   const auto fly = [] {
     VoxelMap m(site_config());

@@ -286,7 +286,7 @@ TEST_CASE("a damaged journal is put aside, whole, and a new one begun") {
   }
   SECTION("torn inside") {
     std::fstream file(folder.file(), std::ios::in | std::ios::out | std::ios::binary);
-    file.seekp(4096 * 2);
+    file.seekp(std::streamoff{4096} * 2);
     file << std::string(4096, '\xff');
   }
   SECTION("with a column lost") {
