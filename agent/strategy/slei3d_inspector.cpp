@@ -16,6 +16,7 @@ constexpr double kBlockedPose_s = 4;
 // after so many everything is tried once more, from the beginning.
 constexpr std::size_t kManyLooks = 60;
 constexpr int kMaxTries = 30;  // to find a pose at all
+constexpr int kRounds = 2, kSureRounds = 8;
 constexpr double kRetryUnexplored_s = 60;
 // Of a refusal: a body in the way, or a surface that lies otherwise than it seems.
 constexpr double kMisled = 0.2;
@@ -260,7 +261,8 @@ void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref)
   effort.not_before = k.now() + Duration::from_s(kRetryArea_s);
   if (may_be_stray(k, ref)) return report_nothing(k, ref);
   if (effort.tries < kMaxTries) return;
-  if (!explored(k, ref) || effort.looks > 0) {
+  const int rounds = effort.looks == 0 ? 0 : sure(k, ref) ? kSureRounds : kRounds;
+  if (!explored(k, ref) || effort.rounds++ < rounds) {
     effort.tries = kMaxTries / 2;
     effort.not_before = k.now() + Duration::from_s(kRetryUnexplored_s);
     return;

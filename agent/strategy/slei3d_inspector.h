@@ -58,6 +58,7 @@ class Slei3dInspector : public robot::Strategy {
     std::vector<VainLook> in_vain;
     int looks = 0;       ///< refused
     int tries = 0;       ///< to find a pose or to get there, without a look
+    int rounds = 0;      ///< of all the tries there are
     double open = 1;     ///< chance that refusals beside a known feature missed another one
     SimTime not_before;  ///< of the next try
   };
