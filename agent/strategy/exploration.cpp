@@ -22,8 +22,7 @@ constexpr double kRefresh_s = 1.2;
 constexpr double kSurfaceStay_s = 7;  // a look comes every 2 s: at most three from one place
 constexpr double kLeftover = 4;       // m³ that a cluster is worth for being done with
 // A cluster is looked at for so many finds, if surfaces hide as many areas as those seen so far,
-// and
-// 100 m² with two of them.
+// beginning with two on 100 m².
 constexpr double kFindsPerLook = 0.0024, kAreasBefore = 2, kSurfaceBefore_m2 = 100;
 constexpr double kThorough_m2 = 0.12, kCursory_m2 = 0.3;
 constexpr double kSmall = 7;                // value: leftovers and little else
@@ -36,6 +35,11 @@ constexpr std::size_t kLookedInto = 12;     // viewpoints of clusters, per decis
 constexpr double kUsedUp = 0.35;            // of its value at choice: on to the next
 constexpr double kComparable = 0.9;         // of the best rate: these are put in order
 constexpr std::uint32_t kNearest = 7;  // FIELD-NOTES: FF3E exact for at most 7 nearest clusters
+
+/// Where only the straight way is known, at rest at both ends.
+double roughly_s(const Pose& from, const Vec3& to, double yaw_rad, const nav::Limits& limits) {
+  return flight_s(kDetour * (to - from.p).norm(), to - from.p, from.yaw_rad, yaw_rad, limits);
+}
 
 map::TargetConfig target_config(const mission::Mission& mission, const mission::Vehicle& vehicle) {
   map::TargetConfig c;
@@ -262,9 +266,8 @@ std::optional<Exploration::Goal> Exploration::leftover(robot::Knowledge& k, doub
   const route::Order round = route::shortest_order(problem);
   if (round.visit.empty()) return std::nullopt;
   const Goal first = cluster_goal(k, *views[round.visit.front()]);
-  const Vec3 back = meeting - first.view.pose.p;
-  const double back_s = flight_s(kDetour * back.norm(), back, first.view.pose.yaw_rad,
-                                 first.view.pose.yaw_rad, k.limits());
+  const Pose& there = first.view.pose;
+  const double back_s = roughly_s(there, meeting, there.yaw_rad, k.limits());
   if (first.view.arrive_s + back_s > budget_s) return std::nullopt;
   return first;
 }
@@ -289,7 +292,7 @@ bool Exploration::choose(robot::Knowledge& k, double budget_s, const Vec3& meeti
   const std::size_t size = n + 1 + (problem.meeting ? 1 : 0);
   problem.travel_s.assign(size, std::vector<double>(size, 0));
   const auto seconds = [&](const Pose& a, const Vec3& b, double yaw_rad) {
-    return flight_s(kDetour * (b - a.p).norm(), b - a.p, a.yaw_rad, yaw_rad, k.limits());
+    return roughly_s(a, b, yaw_rad, k.limits());
   };
   for (std::size_t i = 1; i <= n; ++i) {
     const Pose& from = goals[i - 1].view.pose;

@@ -15,8 +15,8 @@ constexpr double kBlockedPose_s = 4;
 // Refusals where no feature is known say that one is there that shows itself from somewhere else:
 // after so many everything is tried once more, from the beginning.
 constexpr std::size_t kManyLooks = 60;
-constexpr int kMaxTries = 30;  // to find a pose at all
-constexpr int kRounds = 2, kSureRounds = 8;
+constexpr int kMaxTries = 30;                // to find a pose at all
+constexpr int kRounds = 2, kSureRounds = 8;  // more of these, once it was refused
 constexpr double kRetryUnexplored_s = 60;
 // Of a refusal: a body in the way, or a surface that lies otherwise than it seems.
 constexpr double kMisled = 0.2;

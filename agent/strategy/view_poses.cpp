@@ -138,14 +138,26 @@ std::optional<ViewPose> view_pose(robot::Knowledge& k, const mission::Area& area
   return best ? std::optional(best->view) : std::nullopt;
 }
 
+namespace {
+
+/// The known feature nearest to `p`; nullopt: none is known.
+std::optional<Vec3> nearest_known(const robot::Knowledge& k, const Vec3& p) {
+  std::optional<Vec3> nearest;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const auto& [ref, result] : k.results()) {
+    for (const mission::Finding& f : result.inspection.findings) {
+      const double m = (f.position - p).norm();
+      if (m < least_m) nearest = f.position, least_m = m;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace
+
 bool known_near(const robot::Knowledge& k, const Vec3& spot) {
-  const double within_m = k.mission().inspect.match_m + kBeside_m;
-  return std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
-    const auto& findings = r.second.inspection.findings;
-    return std::any_of(findings.begin(), findings.end(), [&](const mission::Finding& f) {
-      return (f.position - spot).norm() < within_m;
-    });
-  });
+  const std::optional<Vec3> nearest = nearest_known(k, spot);
+  return nearest && (*nearest - spot).norm() < k.mission().inspect.match_m + kBeside_m;
 }
 
 namespace {
@@ -170,18 +182,10 @@ std::optional<Vec3> aside(const robot::Knowledge& k, const Vec3& from, const Vec
   return spot;
 }
 
-/// The area's place, turned in its surface around the nearest known feature.
-Vec3 turned(const robot::Knowledge& k, const mission::Area& area, double by_rad) {
-  Vec3 nearest = area.position;
-  double least_m = std::numeric_limits<double>::infinity();
-  for (const auto& [ref, result] : k.results()) {
-    for (const mission::Finding& f : result.inspection.findings) {
-      const double m = (f.position - area.position).norm();
-      if (m < least_m) nearest = f.position, least_m = m;
-    }
-  }
+/// The area's place, turned in its surface around the known feature `center`.
+Vec3 turned(const mission::Area& area, const Vec3& center, double by_rad) {
   const Vec3 axis = area.normal.norm() > 0.5 ? area.normal.normalized() : Vec3(Vec3::UnitZ());
-  return nearest + Eigen::AngleAxisd(by_rad, axis) * (area.position - nearest);
+  return center + Eigen::AngleAxisd(by_rad, axis) * (area.position - center);
 }
 
 /// Free, or a voxel below the surface: what lies deeper a camera does not see, and refuses.
@@ -197,14 +201,15 @@ bool open_to_view(const map::VoxelMap& map, const Vec3& spot) {
 
 Vec3 spot_to_ask(const robot::Knowledge& k, const mission::Area& area, int attempt) {
   if (!known_near(k, area.position)) return area.position;
-  const Vec3 squarest = (area.sighted_from.p - area.position).normalized();
-  std::optional<Vec3> hidden;
   if (attempt % 3 != 0) {
-    const Vec3 beside = turned(k, area, attempt % 3 == 1 ? kTurn_rad : -kTurn_rad);
-    const std::optional<Vec3> spot = aside(k, beside, Vec3::Zero());
+    const double by_rad = attempt % 3 == 1 ? kTurn_rad : -kTurn_rad;
+    const Vec3 center = nearest_known(k, area.position).value_or(area.position);
+    const std::optional<Vec3> spot = aside(k, turned(area, center, by_rad), Vec3::Zero());
     if (spot && (*spot - area.position).norm() < kAside_m && open_to_view(k.map(), *spot))
       return *spot;
   }
+  const Vec3 squarest = (area.sighted_from.p - area.position).normalized();
+  std::optional<Vec3> hidden;
   for (const Vec3& up : {Vec3(Vec3::Zero()), area.normal, squarest, Vec3(Vec3::UnitZ())}) {
     const std::optional<Vec3> spot = aside(k, area.position, up);
     if (!spot) continue;

@@ -77,6 +77,11 @@ Lives lives_in(const mission::Done& ready) {
   return lives;
 }
 
+bool said_of(const Lives& said, RobotId robot, const Lives& now) {
+  const auto life = said.find(robot);
+  return life != said.end() && life->second == now.at(robot);
+}
+
 void WriterSet::add(Participant& participant, mission::MessageClass cls,
                     const std::string& partition, const OnMatch& on_match, Delivery delivery) {
   writers_.push_back({cls, participant.writer(cls, partition, delivery, on_match)});

@@ -77,6 +77,8 @@ inline constexpr std::uint64_t kBusy = kReady - 1;
 /// robot its own life, the radio the lives it has opened a way to.
 mission::Done ready(const Lives& lives = {});
 Lives lives_in(const mission::Done& ready);
+/// Was it said of the life that `robot` has now?
+bool said_of(const Lives& said, RobotId robot, const Lives& now);
 
 ParticipantConfig participant_config(const BarrierConfig& config, std::uint32_t domain,
                                      std::uint32_t participant);

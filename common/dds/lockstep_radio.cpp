@@ -53,8 +53,7 @@ bool RadioLockstep::matched() const {
   // A killed process stays matched for a while, so counts alone would not show that its successor
   // is there: it has to have spoken.
   const bool spoken = std::all_of(lives_.begin(), lives_.end(), [&](const auto& entry) {
-    const auto said = ready_.find(entry.first);
-    return said != ready_.end() && said->second == entry.second;
+    return said_of(ready_, entry.first, lives_);
   });
   // The world overhears what the station is sent.
   const bool ways = std::all_of(down_.begin(), down_.end(), [&](const auto& way) {

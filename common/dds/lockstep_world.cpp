@@ -83,16 +83,11 @@ void WorldLockstep::listen_to_station(Life life) {
                    inbox_.on_match());
 }
 
-bool WorldLockstep::is_ready(RobotId robot) const {
-  const auto said = ready_.find(robot);
-  return said != ready_.end() && said->second == lives_.at(robot);
-}
+bool WorldLockstep::is_ready(RobotId robot) const { return said_of(ready_, robot, lives_); }
 
 bool WorldLockstep::is_radio_ready() const {
-  return std::ranges::all_of(alive_, [&](RobotId robot) {
-    const auto said = radio_ready_.find(robot);
-    return said != radio_ready_.end() && said->second == lives_.at(robot);
-  });
+  return std::ranges::all_of(alive_,
+                             [&](RobotId robot) { return said_of(radio_ready_, robot, lives_); });
 }
 
 bool WorldLockstep::matched() const {

@@ -274,13 +274,8 @@ void RegionCells::weigh(Slot& slot, const Surfaces& s, Plane& owed) const {
     std::uint8_t promise = kEdge[looks];
     if (side && !level) {
       const VoxelKey k = voxel_in(slot.key, i);
-      FaceSet faces = 0;
-      for (int face = 0; face < 4; ++face) {
-        const VoxelKey& d = kFaces[face];
-        const bool shown = looks == 2 && bit(slot.face_seen[static_cast<std::size_t>(face)], i);
-        if (!shown && map_.at(VoxelKey{k.x + d.x, k.y + d.y, k.z + d.z}) == Voxel::kFree)
-          faces = static_cast<FaceSet>(faces | 1u << face);
-      }
+      const Faces f = faces_of(slot, k);
+      const auto faces = static_cast<FaceSet>(looks == 2 ? f.lateral & f.unseen : f.lateral);
       promise = support(k, faces) < kWall ? kStep[looks] : kSide[looks];
     } else if (!side) {
       promise = kLevel[looks];
@@ -323,24 +318,29 @@ void RegionCells::looked_in_vain(VoxelKey k) {
   slot->dirty = true;
 }
 
+RegionCells::Faces RegionCells::faces_of(const Slot& slot, VoxelKey k) const {
+  Faces faces;
+  for (int face = 0; face < 6; ++face) {
+    const VoxelKey& d = kFaces[face];
+    if (map_.at(VoxelKey{k.x + d.x, k.y + d.y, k.z + d.z}) != Voxel::kFree) continue;
+    const auto one = static_cast<FaceSet>(1u << face);
+    faces.open |= one;
+    if (d.z == 0) faces.lateral |= one;
+    if (!bit(slot.face_seen[static_cast<std::size_t>(face)], local_index(k))) faces.unseen |= one;
+  }
+  return faces;
+}
+
 FaceSet RegionCells::owed_faces(VoxelKey k) const {
   const std::size_t i = index_of(block_of(k));
   const int at = local_index(k);
   if (i == kNone || !bit(owed_.marks(i), at)) return 0;
   const Slot& slot = slots_[i];
   const bool rarely = slot.looks.empty() || slot.looks[static_cast<std::size_t>(at)] < looks_;
-  FaceSet open = 0, lateral = 0, unseen = 0;
-  for (int face = 0; face < 6; ++face) {
-    const VoxelKey& d = kFaces[face];
-    if (map_.at(VoxelKey{k.x + d.x, k.y + d.y, k.z + d.z}) != Voxel::kFree) continue;
-    const auto one = static_cast<FaceSet>(1u << face);
-    open |= one;
-    if (d.z == 0) lateral |= one;
-    if (!bit(slot.face_seen[static_cast<std::size_t>(face)], at)) unseen |= one;
-  }
-  if (bit(slot.nook, at)) return lateral;
-  if (rarely) return open;
-  return lateral != 0 ? unseen : 0;
+  const Faces f = faces_of(slot, k);
+  if (bit(slot.nook, at)) return f.lateral;
+  if (rarely) return f.open;
+  return f.lateral != 0 ? f.unseen : 0;
 }
 
 double RegionCells::promise_from(VoxelKey k, const Vec3& eye) const {

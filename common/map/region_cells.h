@@ -119,6 +119,12 @@ class RegionCells {
   struct Surfaces;
   void weigh(Slot& slot, const Surfaces& surfaces, Plane& owed) const;
   void weigh_nooks(Slot& slot, const Surfaces& surfaces, Plane& owed) const;
+  /// Of a surface voxel: faces towards free voxels, those of them to the side, and those that no
+  /// look has shown.
+  struct Faces {
+    FaceSet open = 0, lateral = 0, unseen = 0;
+  };
+  Faces faces_of(const Slot& slot, VoxelKey k) const;
   int support(VoxelKey k, FaceSet faces) const;
   Plane under_overhang(BlockKey b) const;
   Sectors sectors_at(VoxelKey k) const;

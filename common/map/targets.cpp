@@ -77,6 +77,10 @@ struct Targets::Impl {
     return static_cast<double>(t.cluster.cells.size()) * map.config().resolution_m *
            map.config().resolution_m;
   }
+  /// What a cluster must be worth: frontier, or what looks promise.
+  double least_m2(const Tracked& t) const {
+    return t.surface ? least_promise_m2 : config.min_cluster_m2;
+  }
   /// A sliver beside a larger part of its group is left: on its own it would be too small.
   bool is_owed(const Tracked& t) const {
     if (t.surface) return t.promise_m2 >= least_promise_m2;
@@ -290,9 +294,7 @@ void Targets::Impl::search_viewpoints(const std::function<bool(const Vec3&)>& re
   });
   for (auto& [rank, off_m, t] : queue) {
     if (budget-- == 0) break;
-    t->views = search.find({&t->cluster.cells, t->surface, &t->avoid,
-                            t->surface ? least_promise_m2 : config.min_cluster_m2},
-                           reachable);
+    t->views = search.find({&t->cluster.cells, t->surface, &t->avoid, least_m2(*t)}, reachable);
     for (Viewpoint& v : t->views) v.cluster = t->id;
     t->searched = true;
     t->searched_growth = cells.growth();
@@ -315,8 +317,7 @@ void Targets::Impl::sum_up() {
       const std::string what = t.surface ? "surface" : "frontier";
       if (!is_owed(t)) {
         char least[32];
-        std::snprintf(least, sizeof least, "%.2f m²",
-                      t.surface ? least_promise_m2 : config.min_cluster_m2);
+        std::snprintf(least, sizeof least, "%.2f m²", least_m2(t));
         refuse(what + (t.surface ? ": looks promise less than " : ": smaller than ") + least);
       } else if (t.exhausted) {
         refuse(what + ": looked at from its viewpoints, nothing became known");
