@@ -1,5 +1,6 @@
 #include "gcs/results_db.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 
@@ -47,6 +48,8 @@ const char* text(mission::RegionState state) {
       return "assigned";
     case mission::RegionState::kExplored:
       return "explored";
+    case mission::RegionState::kSurveyed:
+      return "surveyed";
     case mission::RegionState::kDone:
       return "done";
   }
@@ -87,15 +90,45 @@ void fill_robots(Database& db, const robot::Knowledge& k) {
   }
 }
 
+/// By this station's assignment, of what its explorers last said, and its own map.
 void fill_regions(Database& db, const robot::Knowledge& k) {
-  for (const mission::RobotConfig& r : k.mission().fleet) {
-    const auto* health = k.health(r.id);
+  struct Region {
+    std::optional<RobotId> explorer;
+    mission::RegionState state = mission::RegionState::kPending;
+  };
+  std::vector<Region> regions(k.mission().boxes.size());
+  if (const auto* plan = k.plan(k.self(), mission::PlanKind::kAssignment)) {
+    for (const mission::Allocation& a : plan->body.allocations) {
+      if (a.region.value >= regions.size()) continue;
+      Region& region = regions[a.region.value];
+      if (a.robot == kNoRobot && a.leader == kNoRobot)
+        region.state = mission::RegionState::kDone;
+      else if (a.robot == kNoRobot)
+        region = {a.leader, mission::RegionState::kSurveyed};
+    }
+  }
+  for (const RobotId explorer : k.mission().with_role(mission::Role::kExplorer)) {
+    const auto* health = k.health(explorer);
     if (!health) continue;
     for (const mission::RegionProgress& p : health->body.regions) {
-      insert(db, "INSERT OR REPLACE INTO regions VALUES(?,?,?,?,?,?,?)", p.region.value, r.id.value,
-             text(p.state), static_cast<double>(p.explored_m3), static_cast<double>(p.volume_m3),
-             p.areas_found, p.areas_inspected);
+      if (p.region.value >= regions.size()) continue;
+      Region& region = regions[p.region.value];
+      if (!region.explorer || p.state >= region.state)
+        region = {explorer, std::max(p.state, region.state)};
     }
+  }
+  for (std::uint32_t i = 0; i < regions.size(); ++i) {
+    const auto& [explorer, state] = regions[i];
+    int found = 0, inspected = 0;
+    for (const auto& [ref, known] : k.areas()) {
+      if (known.area.region.value != i) continue;
+      ++found;
+      inspected += k.inspected(ref) ? 1 : 0;
+    }
+    const std::size_t box = k.map().watch(k.mission().boxes[i]);
+    insert(db, "INSERT INTO regions VALUES(?,?,?,?,?,?,?)", i,
+           explorer ? std::optional(explorer->value) : std::nullopt, text(state),
+           k.map().known_m3(box), k.map().volume_m3(box), found, inspected);
   }
 }
 

@@ -133,6 +133,10 @@ bool AreaFitter::asked_enough(const robot::Knowledge& k, const Vec3& p) const {
   return static_cast<std::size_t>(asked) > kReviews + std::max<std::size_t>(beside.size(), 1) - 1;
 }
 
+bool AreaFitter::in_doubt() const {
+  return std::any_of(fits_.begin(), fits_.end(), [](const Fit& f) { return !f.ref; });
+}
+
 /// Sightings of a fit with a result that neither this result nor any other explains.
 std::vector<Seen> AreaFitter::unexplained(const robot::Knowledge& k, const Fit& fit) const {
   std::vector<Seen> left;

@@ -37,6 +37,8 @@ class AreaFitter {
   /// Holds the areas whose results came in since the last call against their sightings; cheap when
   /// none did. `explored`: no more looks are to come that could settle a doubt.
   void review(robot::Knowledge& knowledge, bool explored);
+  /// Something was sighted that may become an area yet.
+  bool in_doubt() const;
   /// Before all else, by who starts again: what the looks of earlier starts sighted belongs to the
   /// areas that they began, is explained by results, or is in doubt again. Nothing is asked twice.
   void recall(robot::Knowledge& knowledge);

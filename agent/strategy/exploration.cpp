@@ -64,14 +64,18 @@ Exploration::Exploration(robot::Knowledge& k, RegionId region)
 }
 
 /// A surface that becomes known is credited with these looks as with later ones. (What a look on
-/// nobody's behalf sighted is lost: it has to be seen again.)
+/// nobody's behalf sighted is lost: it has to be seen again. Others look with cameras like this.)
 void Exploration::recall(const robot::Knowledge& k) {
-  const Box& box = k.mission().boxes[region_.value];
+  const auto looked = [&](const Pose& sensor, double pitch_rad) {
+    const Box& box = k.mission().boxes[region_.value];
+    if (box.distance(sensor.p) < k.mission().sensing.sighting_range_m)
+      targets_.looked(sensor, pitch_rad);
+  };
   for (const auto& [explored, look] : k.looks()) {
     const bool lost = explored == kNoRegion && !look.seen.empty();
-    if (!lost && box.distance(look.sensor.p) < k.mission().sensing.sighting_range_m)
-      targets_.looked(look.sensor, look.pitch_rad);
+    if (!lost) looked(look.sensor, look.pitch_rad);
   }
+  for (const Pose& sensor : k.looks_of_others()) looked(sensor, k.config().vehicle.pitch_rad);
 }
 
 void Exploration::on_scan(const mission::Scan& scan) {
@@ -124,7 +128,7 @@ double Exploration::worth_looking_m2(const robot::Knowledge& k) const {
 void Exploration::refresh(robot::Knowledge& k, bool thorough,
                           std::vector<mission::PlanningTime>& planning) {
   const robot::Stopwatch watch(planning, mission::PlanningStep::kFrontier);
-  targets_.ask_for(worth_looking_m2(k));
+  targets_.ask_for(surveyed_ ? worth_looking_m2(k) : kCursory_m2, surveyed_);
   nav::PathFinder& paths = k.paths();
   paths.flood(k.position(), thorough ? 1e9 : kNearFlood_m);
   const Vec3 here = k.position();
@@ -351,7 +355,10 @@ std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot:
         refresh(k, true, planning);
         found = choose(k, budget_s, meeting, planning);
         entered_ = entered_ || known_m3(k) > 1.0;
-        if (!found && entered_ && targets_.done()) done_ = ++empty_rounds_ >= 2;
+        if (!found && entered_ && targets_.done() && ++empty_rounds_ >= 2) {
+          (surveyed_ ? done_ : surveyed_) = true;
+          empty_rounds_ = 0;
+        }
       }
       if (found) empty_rounds_ = 0;
     }

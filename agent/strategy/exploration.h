@@ -11,14 +11,17 @@
 namespace muster::agent {
 
 /// Exploring one region: what is left to see (Targets), in which order (FF3E, Alg. 1 of S0,
-/// receding horizon), until nothing is. What the feature detector has looked at before counts: for
-/// another region, with the box in view, or for this one, earlier or by an earlier start.
+/// receding horizon), until nothing is: first until nothing large is, then in the small. What the
+/// feature detector has looked at before counts: for another region, with the box in view, or for
+/// this one, earlier, by an earlier start or by somebody else who told.
 class Exploration {
  public:
   Exploration(robot::Knowledge& knowledge, RegionId region);
 
   RegionId region() const { return region_; }
   SimTime since() const { return since_; }
+  /// Everything has been looked at; the round of thorough looks follows.
+  bool surveyed() const { return surveyed_; }
   bool done() const { return done_; }
   double known_m3(const robot::Knowledge& knowledge) const {
     return knowledge.map().known_m3(watched_);
@@ -72,7 +75,7 @@ class Exploration {
                 arrived_counted_ = 0;
   SimTime last_look_, refresh_again_, give_up_;
   bool entered_ = false;  // something of the box is known
-  bool done_ = false;
+  bool surveyed_ = false, done_ = false;
   int empty_rounds_ = 0;
   struct Barred {
     Pose pose;

@@ -17,9 +17,11 @@ constexpr double kExchangeAtMost_s = 12;  // images still missing then go with t
 constexpr double kLeaveMargin_s = 4;
 constexpr double kDetour = 1.4;
 constexpr double kTellEvery_s = 5;
+constexpr std::size_t kLooksTold = 30;  // at a time
 constexpr double kRadioMargin_m = 1.5;  // nearer than the radio reaches: well in contact
 constexpr double kCollect_s = 30, kSoonest_s = 50;
 constexpr double kExploringApart_s = 150;  // between meetings with the station
+constexpr double kThoroughApart_s = 300;   // little is found then
 constexpr double kForesight = 3;           // times what was explored so far, at most
 constexpr double kCornerInset_m = 0.6;
 constexpr double kAtThePlace_m = 1.0;  // the station parks up to 3.5 m from it: still in range
@@ -46,14 +48,18 @@ void Slei3dExplorer::on_scan(robot::Knowledge&, const mission::Scan& scan) {
 Slei3dExplorer::Orders Slei3dExplorer::orders(const robot::Knowledge& k) const {
   const auto* assignment = k.plan(station_, mission::PlanKind::kAssignment);
   if (!assignment) return {};
+  Orders o;
   for (const mission::Allocation& a : assignment->body.allocations) {
-    if (a.robot == k.self()) return {true, a.region};
+    if (a.robot == k.self()) o.known = true, o.region = a.region;
   }
-  return {};
+  for (const mission::Allocation& a : assignment->body.allocations)
+    o.thorough |= a.robot == kNoRobot && a.leader != kNoRobot && a.region == o.region;
+  return o;
 }
 
 void Slei3dExplorer::follow(robot::Knowledge& k, const Orders& o) {
   if (!o.known) return;
+  thorough_ = o.thorough;
   if (o.region == kNoRegion) {
     released_ = true;
     exploration_.reset();
@@ -65,24 +71,28 @@ void Slei3dExplorer::follow(robot::Knowledge& k, const Orders& o) {
   }
 }
 
+bool Slei3dExplorer::explored() const {
+  return exploration_ && (thorough_ ? exploration_->done() : exploration_->surveyed());
+}
+
 bool Slei3dExplorer::region_done(const robot::Knowledge& k) const {
-  return exploration_ && exploration_->done() &&
-         subgroup_.outstanding(k, exploration_->region()) == 0;
+  return explored() && !fitter_.in_doubt() && subgroup_.outstanding(k, exploration_->region()) == 0;
 }
 
 robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress& progress) {
   if (k.now() == k.started()) {
     agreement_.resume(k);
     fitter_.recall(k);
+    told_looks_ = k.looks().size();
   }
   agreement_.be_told(k);
   follow(k, orders(k));
   const RegionId region = exploration_ ? exploration_->region() : kNoRegion;
-  fitter_.review(k, exploration_ && exploration_->done());
+  if (!released_) fitter_.review(k, explored());  // of what is said later nobody takes care
   subgroup_.update(k, region);
   if (exploration_ || released_)
-    subgroup_.allocate(k, k.declared_complete() ? kNoRegion : region,
-                       exploration_ && !exploration_->done(), planning_);
+    subgroup_.allocate(k, k.declared_complete() ? kNoRegion : region, exploration_ && !explored(),
+                       planning_);
   if (agreement_.update(k)) agreed_here_ = true;
   tell_progress(k);
 
@@ -229,14 +239,15 @@ std::vector<mission::Rung> Slei3dExplorer::next_ladder(robot::Knowledge& k) {
                               k.limits()) +
            route::kFirstSlice_s;
   }
-  if (exploration_->done()) {
+  if (explored()) {
     // Nothing is left to predict by volume: the inspectors' work that is left, and its collection.
     in_s = std::clamp(subgroup_.remaining_s(k) + kCollect_s, kSoonest_s, in_s);
   } else if (in.elapsed_s >= 10) {
     // Nearly done may go on for long, and every meeting costs a way there and back. What the first
     // minute promises of the rest is little more than a guess.
-    const double least_s = in.elapsed_s > route::kFirstSlice_s ? kExploringApart_s : 0;
-    in_s = std::clamp(in_s, least_s, std::max(kExploringApart_s, kForesight * in.elapsed_s));
+    const double apart_s = thorough_ ? kThoroughApart_s : kExploringApart_s;
+    const double least_s = in.elapsed_s > route::kFirstSlice_s ? apart_s : 0;
+    in_s = std::clamp(in_s, least_s, std::max(apart_s, kForesight * in.elapsed_s));
   }
   const Vec3 place = meeting_corner(k, in_s);
   const SimTime from = k.now() + Duration::from_s(in_s);
@@ -272,9 +283,10 @@ void Slei3dExplorer::tell_progress(robot::Knowledge& k) {
   if (!exploration_) return;
   mission::RegionProgress p;
   p.region = exploration_->region();
-  p.state = region_done(k)         ? mission::RegionState::kDone
-            : exploration_->done() ? mission::RegionState::kExplored
-                                   : mission::RegionState::kAssigned;
+  p.state = !explored()       ? mission::RegionState::kAssigned
+            : !region_done(k) ? mission::RegionState::kExplored
+            : thorough_       ? mission::RegionState::kDone
+                              : mission::RegionState::kSurveyed;
   for (const auto& [ref, known] : k.areas()) {
     if (known.area.region != p.region) continue;
     ++p.areas_found;
@@ -282,6 +294,7 @@ void Slei3dExplorer::tell_progress(robot::Knowledge& k) {
   }
   const bool news = told_.regions.empty() || told_.regions[0].region != p.region ||
                     told_.regions[0].state != p.state;
+  if (news || k.looks().size() >= told_looks_ + kLooksTold) tell_looks(k);
   const bool due = k.in_contact(station_) && (k.now() - told_at_).s() >= kTellEvery_s;
   if (!news && !due) return;
   p.explored_m3 = static_cast<float>(exploration_->known_m3(k));
@@ -295,6 +308,19 @@ void Slei3dExplorer::tell_progress(robot::Knowledge& k) {
   k.publish(store::RecordClass::kStatus, robot::kHealthKey, told_);
 }
 
+/// Whoever goes on with this region need not look again.
+void Slei3dExplorer::tell_looks(robot::Knowledge& k) {
+  mission::Status status;
+  status.kind = mission::StatusKind::kLooks;
+  status.robot = k.self();
+  for (; told_looks_ < k.looks().size(); ++told_looks_) {
+    const auto& [explored, look] = k.looks()[told_looks_];
+    if (explored != kNoRegion) status.looks.push_back(look.sensor);
+  }
+  if (!status.looks.empty())
+    k.publish(store::RecordClass::kStatus, k.store().new_key(store::RecordClass::kStatus), status);
+}
+
 // ---- the inspectors
 
 std::optional<robot::Intent> Slei3dExplorer::visit(robot::Knowledge& k,
@@ -306,7 +332,7 @@ std::optional<robot::Intent> Slei3dExplorer::visit(robot::Knowledge& k,
     const double apart_m =
         contact ? (k.teammates().at(mate).beacon.pose.p - k.position()).norm() : 1e9;
     if (contact && !visit_contact_since_) visit_contact_since_ = k.now();
-    const bool exploring = exploration_ && !exploration_->done();
+    const bool exploring = exploration_ && !explored();
     if (contact && subgroup_.settled(k, mate)) {
       // After exploring, one that is still at work is stayed with while there is nobody else.
       const auto next = subgroup_.next_visit(k, exploring);
@@ -343,7 +369,7 @@ std::optional<robot::Intent> Slei3dExplorer::visit(robot::Knowledge& k,
   }
   if (!visit_) {
     if (k.now() < consider_visit_) return std::nullopt;
-    const bool exploring = exploration_ && !exploration_->done();
+    const bool exploring = exploration_ && !explored();
     visit_ = subgroup_.next_visit(k, exploring);
     consider_visit_ = k.now() + Duration::from_s(exploring ? kVisitEvery_s : 1.0);
     visit_waiting_since_.reset();

@@ -12,10 +12,15 @@ namespace muster::agent {
 
 /// The explorer of SLEI3D (S0 IV-B, IV-C). What it does now is the first of these that applies:
 ///
-///     meet the station     it is time to leave for the agreed place, or the station is here for
-///     the meeting (outranks the rest, S0.12) visit an inspector   it would stand idle and there
-///     are areas to give; after exploring: it holds results explore              frontiers, then
-///     surfaces owed looks, in FF3E's order wait                 for its meeting
+/// - meet the station: it is time to leave for the agreed place, or the station is here for the
+///   meeting (outranks the rest, S0.12);
+/// - visit an inspector: it would stand idle and there are areas to give; after exploring: it holds
+///   results;
+/// - explore: frontiers and surfaces owed looks, in FF3E's order;
+/// - wait for its meeting.
+///
+/// A region is explored in two rounds: first it is surveyed; thorough looks follow when the station
+/// says that all regions have been, and until then while it waits for its meeting.
 ///
 /// Who was started again without its journal knows of no region and no meeting. Somebody who passes
 /// may tell it; else it finds the station where everybody does who has no agreement, at the
@@ -39,6 +44,7 @@ class Slei3dExplorer : public robot::Strategy {
   struct Orders {
     bool known = false;
     RegionId region = kNoRegion;
+    bool thorough = false;  ///< all regions have been surveyed: the rest of this one
   };
   Orders orders(const robot::Knowledge& k) const;
   void follow(robot::Knowledge& k, const Orders& orders);
@@ -52,6 +58,9 @@ class Slei3dExplorer : public robot::Strategy {
   std::vector<mission::Rung> next_ladder(robot::Knowledge& k);
   Vec3 meeting_corner(robot::Knowledge& k, double in_s);
   void tell_progress(robot::Knowledge& k);
+  void tell_looks(robot::Knowledge& k);
+  /// As far as was asked for.
+  bool explored() const;
   bool region_done(const robot::Knowledge& k) const;
 
   std::optional<robot::Intent> visit(robot::Knowledge& k, const robot::Progress& progress);
@@ -63,6 +72,7 @@ class Slei3dExplorer : public robot::Strategy {
   AreaFitter fitter_;
   Subgroup subgroup_;
   std::optional<Exploration> exploration_;
+  bool thorough_ = false;
   bool released_ = false;
 
   // meeting the station
@@ -73,6 +83,7 @@ class Slei3dExplorer : public robot::Strategy {
   SimTime check_leave_;
   mission::Status told_;
   SimTime told_at_;
+  std::size_t told_looks_ = 0;
 
   // visiting
   std::optional<Subgroup::Visit> visit_;

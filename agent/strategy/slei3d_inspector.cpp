@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "agent/strategy/look_log.h"
 #include "common/core/log.h"
 #include "common/radio/pace.h"
 #include "common/robot/guardian.h"
@@ -208,6 +209,15 @@ bool Slei3dInspector::choose_pose(robot::Knowledge& k, const mission::AreaRef& r
   return false;
 }
 
+/// An area in this very spot was closed without an answer: what could be tried was tried then.
+bool Slei3dInspector::given_up_before(const robot::Knowledge& k, const mission::AreaRef& ref) {
+  const Vec3& p = k.areas().at(ref).area.position;
+  return std::any_of(k.results().begin(), k.results().end(), [&](const auto& r) {
+    const mission::Inspection& i = r.second.inspection;
+    return !answered(i) && (i.area_position - p).norm() < kSameSpot_m;
+  });
+}
+
 /// Its explorer says that the area's region is explored, or has moved on to another one.
 bool Slei3dInspector::explored(const robot::Knowledge& k, const mission::AreaRef& ref) {
   const auto* health = k.health(ref.author);
@@ -261,7 +271,8 @@ void Slei3dInspector::postpone(robot::Knowledge& k, const mission::AreaRef& ref)
   effort.not_before = k.now() + Duration::from_s(kRetryArea_s);
   if (may_be_stray(k, ref)) return report_nothing(k, ref);
   if (effort.tries < kMaxTries) return;
-  const int rounds = effort.looks == 0 ? 0 : sure(k, ref) ? kSureRounds : kRounds;
+  const bool try_on = effort.looks > 0 && !given_up_before(k, ref);
+  const int rounds = !try_on ? 0 : sure(k, ref) ? kSureRounds : kRounds;
   if (!explored(k, ref) || effort.rounds++ < rounds) {
     effort.tries = kMaxTries / 2;
     effort.not_before = k.now() + Duration::from_s(kRetryUnexplored_s);

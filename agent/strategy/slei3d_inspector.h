@@ -42,6 +42,7 @@ class Slei3dInspector : public robot::Strategy {
   static std::vector<VainLook> looks_of_others(const robot::Knowledge& k,
                                                const mission::AreaRef& ref);
   static bool sure(const robot::Knowledge& k, const mission::AreaRef& ref);
+  static bool given_up_before(const robot::Knowledge& k, const mission::AreaRef& ref);
   bool may_be_stray(const robot::Knowledge& k, const mission::AreaRef& ref);
   static bool explored(const robot::Knowledge& k, const mission::AreaRef& ref);
   void report_nothing(robot::Knowledge& k, const mission::AreaRef& ref);

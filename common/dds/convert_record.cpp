@@ -126,6 +126,7 @@ void fields(const Io& io, air::Status& w, P& p) {
   io(w.battery(), p.battery);
   io(w.energy_mah(), p.energy_mah);
   io(w.regions(), p.regions);
+  io(w.looks(), p.looks);
   io(w.note(), p.note);
 }
 

@@ -207,6 +207,12 @@ void OwnMap::insert_free(VoxelKey k) {
   if (b && evidence(k) == kNoEvidence) set_evidence(*b, local_index(k), Weights::kMiss);
 }
 
+void OwnMap::clear(VoxelKey k) {
+  Block* b = blocks_.obtain(block_of(k));
+  if (b && (evidence(k) == kNoEvidence || evidence(k) >= 0))
+    set_evidence(*b, local_index(k), Weights::kMiss);
+}
+
 void OwnMap::adopt(Block& block, const States& states) {
   for (int i = 0; i < kBlockVoxels; ++i) {
     const bool occupied = bit(states.occupied, i);

@@ -31,6 +31,8 @@ class OwnMap {
 
   VoxelMap::Integrated integrate(const RangeScan& scan, std::span<const Sphere> teammates);
   void insert_free(VoxelKey k);
+  /// Free, whatever has been seen there.
+  void clear(VoxelKey k);
   /// Evidence of an earlier start, where nothing is known yet.
   void adopt(Block& block, const States& states);
   const octomap::OcTree& tree();

@@ -22,7 +22,8 @@ constexpr std::uint8_t kLevel[] = {20, 0, 8};    // up or down only: floors, cei
 // Sides below an overhang, by the sectors that looks came from: a slit narrower than a voxel shows
 // its depth only to looks along it.
 constexpr std::uint8_t kNook[] = {30, 30, 15};
-constexpr int kWall = 2;  // of the eight around it, at least
+constexpr double kLevelWithEdge = 0.1;  // height over distance: below it the corner shows
+constexpr int kWall = 2;                // of the eight around it, at least
 const Plane kNothing{};
 constexpr int kUp = 4;  // of kFaces
 
@@ -307,6 +308,7 @@ double RegionCells::promise(VoxelKey k) const {
   const std::size_t i = index_of(block_of(k));
   const int at = local_index(k);
   if (i == kNone || !bit(owed_.marks(i), at)) return 0;
+  if (!nooks_asked_ && bit(slots_[i].nook, at)) return 0;
   return slots_[i].promise[static_cast<std::size_t>(at)] / 100.0;
 }
 
@@ -349,9 +351,15 @@ double RegionCells::promise_from(VoxelKey k, const Vec3& eye) const {
   const Vec3 towards = (eye - map_.center(k)).normalized();
   if ((exhausted_sectors(k) & sector_of(towards)) != 0) return 0;
   for (int face = 0; face < 6; ++face) {
-    if ((owed >> face & 1) != 0 && towards.dot(face_normal(face)) > kLeastFacing) return promise(k);
+    if ((owed >> face & 1) == 0 || towards.dot(face_normal(face)) <= kLeastFacing) continue;
+    if (towards.z() <= kLevelWithEdge || !overhung(k, face)) return promise(k);
   }
   return 0;
+}
+
+bool RegionCells::overhung(VoxelKey k, int face) const {
+  const VoxelKey& d = kFaces[face];
+  return d.z == 0 && map_.at(VoxelKey{k.x + d.x, k.y + d.y, k.z + 1}) == Voxel::kOccupied;
 }
 
 void RegionCells::count_look(VoxelKey k, FaceSet faces, const Vec3& eye) {

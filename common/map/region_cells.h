@@ -60,6 +60,12 @@ class RegionCells {
   double promise(VoxelKey k) const;
   /// What a look from `eye` promises, if nothing is in between.
   double promise_from(VoxelKey k, const Vec3& eye) const;
+  /// Does something stand out above this face, so that what is just below it shows from below only?
+  bool overhung(VoxelKey k, int face) const;
+  /// Whether corners below overhangs promise anything once they are owed nothing else. True at
+  /// first.
+  void ask_for_nooks(bool asked) { nooks_asked_ = asked; }
+  bool nooks_asked() const { return nooks_asked_; }
   std::uint64_t looks_counted() const { return looks_counted_; }
   /// Surface voxels that were owed looks at some time.
   std::uint64_t surfaces() const { return surfaces_; }
@@ -138,6 +144,7 @@ class RegionCells {
   CellClusters::Neighbours neighbours_;
   CellClusters frontier_, owed_;
   std::vector<VoxelKey> new_surface_;
+  bool nooks_asked_ = true;
   std::uint64_t cursor_ = 0, growth_ = 0, looks_counted_ = 0, surfaces_ = 0;
 };
 

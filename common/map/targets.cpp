@@ -94,6 +94,7 @@ struct Targets::Impl {
   void visit(std::vector<Tracked>& clusters, const Pose& sensor,
              const std::vector<VoxelKey>& progress);
   void track(CellClusters& source, bool surface, std::vector<Tracked>& tracked);
+  void weigh();
   void drop_blocked_views(std::vector<Tracked>& tracked);
   void search_viewpoints(const std::function<bool(const Vec3&)>& reachable);
   void sum_up();
@@ -245,9 +246,12 @@ void Targets::Impl::track(CellClusters& source, bool surface, std::vector<Tracke
   }
   std::sort(tracked.begin(), tracked.end(),
             [](const Tracked& a, const Tracked& b) { return a.id < b.id; });
-  if (!surface) return;
+  if (surface) weigh();
+}
+
+void Targets::Impl::weigh() {
   const double cell_m2 = map.config().resolution_m * map.config().resolution_m;
-  for (Tracked& t : tracked) {
+  for (Tracked& t : owed) {
     t.promise_m2 = 0;
     for (const VoxelKey& k : t.cluster.cells) t.promise_m2 += cell_m2 * cells.promise(k);
   }
@@ -345,7 +349,14 @@ void Targets::looked(const Pose& sensor, double pitch_rad) {
 }
 void Targets::scanned(const Pose& sensor) { impl_->scans.push_back(sensor); }
 
-void Targets::ask_for(double promise_m2) { impl_->least_promise_m2 = promise_m2; }
+void Targets::ask_for(double promise_m2, bool nooks) {
+  Impl& t = *impl_;
+  t.least_promise_m2 = promise_m2;
+  if (nooks == t.cells.nooks_asked()) return;
+  t.cells.ask_for_nooks(nooks);
+  t.weigh();
+  for (Tracked& c : t.owed) c.searched = c.searched && !c.views.empty();
+}
 
 void Targets::settle() {
   Impl& t = *impl_;

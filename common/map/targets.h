@@ -74,9 +74,10 @@ class Targets {
   /// (cheap; called for candidates only).
   void update(const std::function<bool(const Vec3&)>& reachable);
 
-  /// What looks at a cluster of surface voxels must promise, in area that nobody looked at. 0.12 m²
-  /// at first.
-  void ask_for(double promise_m2);
+  /// What looks at a cluster of surface voxels must promise, in area that nobody looked at (0.12 m²
+  /// at first), and whether corners below overhangs are to be looked at from several sectors (at
+  /// first they are).
+  void ask_for(double promise_m2, bool nooks);
 
   /// Takes in what the last scans and looks changed, without clusters and viewpoints: enough for
   /// `panorama` and `worth`, and far cheaper than `update`.

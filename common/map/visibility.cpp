@@ -16,6 +16,7 @@ constexpr double kEnough = 0.6;     // a first viewpoint that sees this share ne
 constexpr double kGoodShare = 0.6;  // of the best score: among these, what else is in view decides
 constexpr std::size_t kFinalists = 12;
 constexpr double kAvoidM = 0.5;
+constexpr double kUpperEdge = 0.4;  // voxels above the middle
 
 bool shows(const VoxelMap& map, const Aim::Spot& s, const Vec3& eye, double range_m) {
   const Vec3 way = eye - s.at;
@@ -40,8 +41,9 @@ Aim surface_aim(const VoxelMap& map, const RegionCells& cells, VoxelKey k) {
   const FaceSet owed = cells.owed_faces(k);
   for (int face = 0; face < 6; ++face) {
     if ((owed >> face & 1) == 0) continue;
-    const Vec3 off = 0.55 * map.config().resolution_m * face_normal(face);
-    aim.spots.push_back({map.center(k) + off, face});
+    Vec3 off = 0.55 * face_normal(face);
+    if (cells.overhung(k, face)) off.z() = kUpperEdge;
+    aim.spots.push_back({map.center(k) + map.config().resolution_m * off, face});
   }
   return aim;
 }

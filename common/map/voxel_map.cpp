@@ -103,6 +103,11 @@ void VoxelMap::insert_free_ball(const Vec3& center, double radius_m) {
   impl_->blocks.commit();
 }
 
+void VoxelMap::clear_ball(const Vec3& center, double radius_m) {
+  for (const VoxelKey& k : ball(center, radius_m)) impl_->own.clear(k);
+  impl_->blocks.commit();
+}
+
 void VoxelMap::suppose_free_ball(const Vec3& center, double radius_m) {
   for (const VoxelKey& k : ball(center, radius_m)) {
     if (at(k) == Voxel::kUnknown) impl_->own.insert_free(k);
@@ -281,7 +286,7 @@ std::vector<BlockKey> VoxelMap::changes(std::uint64_t& cursor) const {
 }
 std::uint64_t VoxelMap::revision() const { return impl_->blocks.revision(); }
 
-std::size_t VoxelMap::watch(const Box& box) {
+std::size_t VoxelMap::watch(const Box& box) const {
   impl_->watches.emplace_back(box, impl_->config);
   return impl_->watches.size() - 1;
 }

@@ -113,6 +113,8 @@ class VoxelMap {
   void insert_free_ball(const Vec3& center, double radius_m);
   /// The same, only of what nobody knows anything of.
   void suppose_free_ball(const Vec3& center, double radius_m);
+  /// The same, whatever anybody has seen there: the own body was there.
+  void clear_ball(const Vec3& center, double radius_m);
   /// What others call occupied there and own scans have never measured is held free from now on.
   void disbelieve_others(const Vec3& center, double radius_m);
 
@@ -176,7 +178,7 @@ class VoxelMap {
 
   /// Volume of `box` that is known (free or occupied), m³. Incremental for boxes registered by
   /// `watch`.
-  std::size_t watch(const Box& box);
+  std::size_t watch(const Box& box) const;
   double known_m3(std::size_t watched) const;
   double volume_m3(std::size_t watched) const;
 

@@ -200,7 +200,15 @@ struct Meeting {
   RegionId region = kNoRegion;
 };
 
-enum class RegionState : std::uint32_t { kPending = 0, kAssigned = 1, kExplored = 2, kDone = 3 };
+/// Surveyed: everything has been looked at once, and what was found is inspected and here; a
+/// thorough round is to follow.
+enum class RegionState : std::uint32_t {
+  kPending = 0,
+  kAssigned = 1,
+  kExplored = 2,
+  kSurveyed = 3,
+  kDone = 4
+};
 struct RegionProgress {
   RegionId region;
   RegionState state{};
@@ -208,7 +216,7 @@ struct RegionProgress {
   std::uint32_t areas_found = 0, areas_inspected = 0;
   float eta_s = -1;
 };
-enum class StatusKind : std::uint32_t { kHealth = 0, kRequest = 1, kComplete = 2, kLost = 3 };
+enum class StatusKind : std::uint32_t { kHealth = 0, kRequest = 1, kComplete = 2, kLost = 3, kLooks = 4 };
 enum class RequestVerb : std::uint32_t {
   kNone = 0,
   kHold = 1,
@@ -224,6 +232,7 @@ struct Status {
   std::uint64_t request_n = 0;
   float battery = 1, energy_mah = 0;
   std::vector<RegionProgress> regions;
+  std::vector<Pose> looks;  ///< kLooks: whence the author's detector looked
   std::string note;
 };
 

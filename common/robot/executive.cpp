@@ -13,6 +13,7 @@ constexpr double kRetry_s = 0.5;
 constexpr double kNoWay_s =
     2.0;  // a search that failed costs most, and the map seldom changes the answer at once:
 constexpr double kNoWayLongest_s = 10;  // each failure doubles the wait, up to this
+constexpr double kRise_m = 6;           // from the ground to where there is room
 constexpr double kWayOut_m = 1.0;
 constexpr double kOwnImage_m = 0.35;  // beyond the body: the noise of who mapped it, and a voxel
 // What is planned keeps more distance from teammates than what is flown on: no braking for a
@@ -347,6 +348,7 @@ void Executive::plan(Knowledge& k, const Intent& intent, Commands& commands) {
     fly(k, *found.path, intent, commands);
     return;
   }
+  if (resting(k.now()) && rise(k, commands)) return;
   no_way(k);
   // Parked teammates may be all that is in the way.
   RobotId by = kNoRobot;
@@ -369,6 +371,7 @@ void Executive::plan_transit(Knowledge& k, const Intent& intent, Commands& comma
       k.position(), intent.goal.p, std::clamp(intent.tolerance_m, 0.3, 1.5), avoid, parked(now));
   partial_ = false;
   if (!way.path) {
+    if (resting(now) && rise(k, commands)) return;
     if (avoid_.empty()) blocked(now, way.reason);
     avoid_.clear();
     no_way(k);
@@ -435,7 +438,29 @@ bool Executive::fly(Knowledge& k, const nav::Path& whole, const Intent& intent,
     if (unsafe->robot == kNoRobot) break;
   }
   // What is being flown has been checked already; from rest, wait.
-  if (resting(k.now())) blocked(k.now(), "unsafe: " + unsafe->with, unsafe->robot);
+  if (!resting(k.now())) return false;
+  if (unsafe->with == "map" && rise(k, commands)) return true;
+  blocked(k.now(), "unsafe: " + unsafe->with, unsafe->robot);
+  return false;
+}
+
+/// Close to something, as after coming down without a process, the way out may lead past it, and
+/// nearer. A body that came down can go up again.
+bool Executive::rise(Knowledge& k, Commands& commands) {
+  const Vec3 here = k.position();
+  if (k.config().vehicle.ground || k.map().traversable(here)) return false;
+  const double edge_m = k.map().config().resolution_m;
+  for (double up_m = edge_m; up_m < kRise_m + edge_m / 2; up_m += edge_m) {
+    const Vec3 above = here + up_m * Vec3::UnitZ();
+    if (!k.map().traversable(above)) continue;
+    nav::Trajectory t = nav::time_path({{here, above}}, {state(k), std::nullopt, 0.5}, limits_);
+    if (nav::check(t, k.now(), k.map(), radius_m_, movers_, bodies_.spheres(), kPlanMargin_m))
+      return false;
+    blocked_since_.reset();
+    command(k, std::move(t), commands);
+    progress_.state = Progress::State::kMoving;
+    return true;
+  }
   return false;
 }
 

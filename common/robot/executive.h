@@ -51,6 +51,7 @@ class Executive {
   void note_standing(SimTime now, const Teammate& mate);
   void dodge(Knowledge& knowledge, Commands& commands);
   void make_room(Knowledge& knowledge, Commands& commands);
+  bool rise(Knowledge& k, Commands& commands);
   void no_way(Knowledge& knowledge);
   bool taken(const map::VoxelMap& map, const Vec3& p) const;
   void find_landing(Knowledge& knowledge, const Intent& intent, Commands& commands);

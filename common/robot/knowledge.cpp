@@ -253,6 +253,10 @@ void Knowledge::ingest_status(const store::Record& record) {
     case mission::StatusKind::kLost:
       lost_[body.robot] = record.header.stamp;
       break;
+    case mission::StatusKind::kLooks:  // (one's own are in the journal, with what they sighted)
+      if (record.header.author.robot != self_)
+        looks_of_others_.insert(looks_of_others_.end(), body.looks.begin(), body.looks.end());
+      break;
   }
 }
 

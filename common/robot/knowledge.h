@@ -83,6 +83,8 @@ class Knowledge {
 
   /// All looks so far, in order; those of earlier starts, too, as far as the journal kept them.
   const std::vector<Look>& looks() const { return looks_; }
+  /// Whence the others looked, as far as they said.
+  const std::vector<Pose>& looks_of_others() const { return looks_of_others_; }
 
   // ---- teammates
   const std::map<RobotId, Teammate>& teammates() const { return teammates_; }
@@ -156,6 +158,7 @@ class Knowledge {
   mission::Odometry odometry_;
   mission::Battery battery_;
   std::vector<Look> looks_;
+  std::vector<Pose> looks_of_others_;
   map::VoxelMap map_;
   nav::PathFinder paths_;
   store::RecordStore store_;

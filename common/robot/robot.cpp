@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kBeaconPeriod_s = 0.3;
 constexpr double kKeepBlocks_s = 5;  // what a crash may take of the own map, when nobody was told
+constexpr double kThrough_m = 2;     // to where it can fly: further up may be a roof
 constexpr double kWayUp_m = 0.6;     // lower than anybody flies for long
 constexpr double kWayOut_m = 1.0;
 constexpr double kFreshMate_s =
@@ -125,8 +126,9 @@ void Robot::take_bus(const mission::StepInput& input) {
 }
 
 /// Who starts away from its start has flown before, and then come down where it is (RULES
-/// "Motion"): up there was room for it, a little at least, and from there it sees more. Its map may
-/// be lost, or not know the place.
+/// "Motion"): its body was in the column above, up to where its map says that it can fly, whatever
+/// is said to be in between. Its map may be lost, or not know the place: up there was room for it,
+/// a little at least, and from there it sees more.
 void Robot::find_itself(const mission::Odometry& odometry) {
   knowledge_.observe(odometry);
   const mission::Vehicle& vehicle = knowledge_.config().vehicle;
@@ -134,12 +136,18 @@ void Robot::find_itself(const mission::Odometry& odometry) {
   const mission::Mission& mission = knowledge_.mission();
   const Vec3& p = odometry.pose.p;
   if ((p - knowledge_.config().start.p).norm() < mission.free_ball_m) return;
-  if (!knowledge_.paths().confined(p, kWayOut_m)) return;
+  map::VoxelMap& map = knowledge_.map();
   const double voxel_m = mission.resolution_m;
+  const auto above = [&](int i) -> Vec3 { return p + i * voxel_m * Vec3::UnitZ(); };
+  const int highest = static_cast<int>(kThrough_m / voxel_m);
+  int up = 0;
+  while (up < highest && map.at(above(up)) != map::Voxel::kUnknown && !map.traversable(above(up)))
+    ++up;
+  if (!map.traversable(above(up))) up = static_cast<int>(kWayUp_m / voxel_m);
+  for (int i = 0; i <= up; ++i) map.clear_ball(above(i), vehicle.radius_m + voxel_m / 2);
+  if (!knowledge_.paths().confined(p, kWayOut_m)) return;
   const double around_m = vehicle.radius_m + mission.clearance_m + voxel_m;
-  const int up = static_cast<int>(kWayUp_m / voxel_m);
-  for (int i = 0; i <= up; ++i)
-    knowledge_.map().suppose_free_ball(p + i * voxel_m * Vec3::UnitZ(), around_m);
+  for (int i = 0; i <= up; ++i) map.suppose_free_ball(above(i), around_m);
 }
 
 void Robot::take_scan(const mission::Scan& scan) {

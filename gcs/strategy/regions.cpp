@@ -1,27 +1,42 @@
 #include "gcs/strategy/regions.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "common/route/allocate.h"
 
 namespace muster::gcs {
+namespace {
 
-Regions::Regions(const mission::Mission& mission)
-    : states_(mission.boxes.size(), mission::RegionState::kPending) {
+using State = mission::RegionState;
+
+}  // namespace
+
+Regions::Regions(const mission::Mission& mission) : regions_(mission.boxes.size()) {
   for (const RobotId explorer : mission.with_role(mission::Role::kExplorer))
     groups_[explorer].explorer = explorer;
 }
 
-std::optional<RegionId> Regions::nearest_pending(const robot::Knowledge& k,
-                                                 const Vec3& from) const {
-  std::optional<RegionId> best;
-  double best_m = 1e18;
-  for (std::size_t i = 0; i < states_.size(); ++i) {
-    if (states_[i] != mission::RegionState::kPending) continue;
-    const double d = (k.mission().boxes[i].center - from).norm();
-    if (d < best_m) best_m = d, best = RegionId{static_cast<std::uint32_t>(i)};
+/// The nearest that is pending; else of those that this explorer surveyed; else of all surveyed.
+std::optional<RegionId> Regions::next_for(RobotId explorer, const Vec3& from,
+                                          const robot::Knowledge& k) const {
+  const auto nearest = [&](const auto& eligible) {
+    std::optional<RegionId> best;
+    double best_m = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < regions_.size(); ++i) {
+      const double m = (k.mission().boxes[i].center - from).norm();
+      if (eligible(regions_[i]) && m < best_m)
+        best_m = m, best = RegionId{static_cast<std::uint32_t>(i)};
+    }
+    return best;
+  };
+  auto best = nearest([](const Region& r) { return r.state == State::kPending; });
+  if (!best) {
+    best = nearest(
+        [&](const Region& r) { return r.state == State::kSurveyed && r.surveyor == explorer; });
   }
+  if (!best) best = nearest([](const Region& r) { return r.state == State::kSurveyed; });
   return best;
 }
 
@@ -31,10 +46,10 @@ void Regions::leave_at_work(const robot::Knowledge& k) {
     const auto* health = k.health(id);
     if (!health || health->body.regions.empty()) continue;
     const RegionId region = health->body.regions.front().region;
-    if (region.value >= states_.size() || states_[region.value] != mission::RegionState::kPending)
+    if (region.value >= regions_.size() || regions_[region.value].state != State::kPending)
       continue;
     group.region = region;
-    states_[region.value] = mission::RegionState::kAssigned;
+    regions_[region.value].state = State::kAssigned;
     const auto* crew = k.plan(id, mission::PlanKind::kAllocation);
     if (!crew) continue;
     for (const mission::Allocation& a : crew->body.allocations) {
@@ -51,11 +66,11 @@ void Regions::assign_all(robot::Knowledge& k) {
   leave_at_work(k);
   for (auto& [explorer, group] : groups_) {
     if (group.region == kNoRegion) {
-      group.region = nearest_pending(k, k.mission().robot(explorer).start.p).value_or(kNoRegion);
+      group.region = next_for(explorer, k.mission().robot(explorer).start.p, k).value_or(kNoRegion);
       group.released = group.region == kNoRegion;
     }
     if (group.released) continue;
-    states_[group.region.value] = mission::RegionState::kAssigned;
+    regions_[group.region.value].state = State::kAssigned;
     volumes.push_back(k.mission().boxes[group.region.value].volume());
     working.push_back(explorer);
   }
@@ -77,24 +92,28 @@ bool Regions::resume(robot::Knowledge& k) {
   for (const mission::Allocation& a : kept->body.allocations) {
     // What does not fit was kept of another mission.
     const RobotId explorer = a.leader == kNoRobot ? a.robot : a.leader;
-    if (a.region != kNoRegion && a.region.value >= states_.size()) continue;
+    if (a.region != kNoRegion && a.region.value >= regions_.size()) continue;
     if (explorer != kNoRobot && !groups_.contains(explorer)) continue;
     if (a.robot == kNoRobot && a.region == kNoRegion) continue;
     if (a.robot == kNoRobot) {
-      states_[a.region.value] = mission::RegionState::kDone;
+      Region& region = regions_[a.region.value];
+      region.surveyor = a.leader;
+      if (a.leader == kNoRobot)
+        region.state = State::kDone;
+      else if (region.state == State::kPending)
+        region.state = State::kSurveyed;
     } else if (a.leader != kNoRobot) {
       groups_.at(a.leader).inspectors.push_back(a.robot);
       std::erase(orphans_, a.robot);
     } else if (a.region != kNoRegion) {
       groups_.at(a.robot).region = a.region;
-      states_[a.region.value] = mission::RegionState::kAssigned;
+      regions_[a.region.value].state = State::kAssigned;
     }
   }
   // Without a region: released when there was none left, else it had been lost.
-  const bool pending = std::ranges::count(states_, mission::RegionState::kPending) > 0;
   for (auto& [id, group] : groups_) {
-    group.lost = group.region == kNoRegion && pending;
-    group.released = group.region == kNoRegion && !pending;
+    if (group.region != kNoRegion) continue;
+    (next_for(id, k.position(), k) ? group.lost : group.released) = true;
   }
   publish(k);
   return true;
@@ -114,6 +133,13 @@ bool Regions::report(robot::Knowledge& k, RobotId explorer) {
     back(k, group);
     return true;
   }
+  if (reopen(k)) publish(k);
+  if (group.released && next_for(explorer, k.position(), k)) {
+    group.released = false;
+    give(group, k.position(), k);
+    publish(k);
+    return true;
+  }
   if (reinforce(k, group)) {
     publish(k);
     return true;
@@ -122,25 +148,37 @@ bool Regions::report(robot::Knowledge& k, RobotId explorer) {
   if (!health || health->body.regions.empty() || group.released) return false;
   const mission::RegionProgress& p = health->body.regions.front();
   if (p.region != group.region) return false;
-  if (p.state == mission::RegionState::kExplored)
-    states_[p.region.value] = mission::RegionState::kExplored;
-  if (p.state != mission::RegionState::kDone || !k.exchanged(explorer) ||
-      !results_complete(k, p.region))
-    return false;
+  Region& region = regions_[p.region.value];
+  if (p.state == State::kExplored) region.state = State::kExplored;
+  const bool over =
+      p.state == State::kDone || (p.state == State::kSurveyed && region.surveyor == kNoRobot);
+  if (!over || !k.exchanged(explorer) || !results_complete(k, p.region)) return false;
 
-  states_[p.region.value] = mission::RegionState::kDone;
+  region.state = p.state;
+  region.surveyor = explorer;
   give(group, k.mission().boxes[p.region.value].center, k);
   publish(k);
   return true;
 }
 
-/// The nearest pending region, and whoever has lost its explorer; none left: released.
+/// An area that was told of late: somebody has to inspect it.
+bool Regions::reopen(const robot::Knowledge& k) {
+  bool any = false;
+  for (std::uint32_t i = 0; i < regions_.size(); ++i) {
+    if (regions_[i].state != State::kDone || results_complete(k, RegionId{i})) continue;
+    regions_[i].state = State::kSurveyed;
+    any = true;
+  }
+  return any;
+}
+
+/// The next region, and whoever has lost its explorer; none left: released.
 void Regions::give(Group& group, const Vec3& from, const robot::Knowledge& k) {
   group.inspectors.insert(group.inspectors.end(), orphans_.begin(), orphans_.end());
   orphans_.clear();
-  if (const auto next = nearest_pending(k, from)) {
+  if (const auto next = next_for(group.explorer, from, k)) {
     group.region = *next;
-    states_[next->value] = mission::RegionState::kAssigned;
+    regions_[next->value].state = State::kAssigned;
   } else {
     group.region = kNoRegion;
     group.released = true;
@@ -191,8 +229,9 @@ void Regions::lost(robot::Knowledge& k, RobotId explorer) {
   if (group.lost) return;
   group.lost = true;
   group.held = group.region;
-  if (group.region != kNoRegion && states_[group.region.value] != mission::RegionState::kDone) {
-    states_[group.region.value] = mission::RegionState::kPending;
+  if (group.region != kNoRegion) {
+    Region& region = regions_[group.region.value];
+    region.state = region.surveyor == kNoRobot ? State::kPending : State::kSurveyed;
   }
   group.region = kNoRegion;
   orphans_.insert(orphans_.end(), group.inspectors.begin(), group.inspectors.end());
@@ -205,8 +244,7 @@ void Regions::lost(robot::Knowledge& k, RobotId explorer) {
 }
 
 bool Regions::all_done() const {
-  return std::all_of(states_.begin(), states_.end(),
-                     [](auto s) { return s == mission::RegionState::kDone; });
+  return std::ranges::all_of(regions_, [](const Region& r) { return r.state == State::kDone; });
 }
 
 void Regions::publish(robot::Knowledge& k) const {
@@ -217,9 +255,12 @@ void Regions::publish(robot::Knowledge& k) const {
     for (const RobotId inspector : group.inspectors)
       plan.allocations.push_back({inspector, id, group.region, {}});
   }
-  for (std::uint32_t i = 0; i < states_.size(); ++i) {
-    if (states_[i] == mission::RegionState::kDone)
-      plan.allocations.push_back({kNoRobot, kNoRobot, RegionId{i}, {}});  // for a later start
+  // For explorers, and for a later start: what is done, and what was surveyed by whom.
+  for (std::uint32_t i = 0; i < regions_.size(); ++i) {
+    const Region& region = regions_[i];
+    const bool done = region.state == State::kDone;
+    if (done || region.surveyor != kNoRobot)
+      plan.allocations.push_back({kNoRobot, done ? kNoRobot : region.surveyor, RegionId{i}, {}});
   }
   k.publish(store::RecordClass::kPlan, robot::plan_key(mission::PlanKind::kAssignment), plan);
 }

@@ -8,10 +8,16 @@
 
 namespace muster::gcs {
 
-/// The life of the bounding boxes (S0.4) and who works on them: pending → assigned → explored →
-/// done. Rolling assignment (S0.11): at first every explorer gets the nearest box and inspectors by
-/// volume (14); later a group whose box is done, with all its results here, gets the nearest
-/// pending one; none left: it is released.
+/// The life of the bounding boxes (S0.4) and who works on them:
+///
+///     pending → assigned → explored → surveyed → assigned → explored → done
+///
+/// Rolling assignment (S0.11): at first every explorer gets the nearest box and inspectors by
+/// volume (14); later a group whose box is surveyed, with all its results here, gets the nearest
+/// pending one. None left: the nearest of those that it surveyed, or else of all that were, for the
+/// thorough round. None of these: it is released, until there is something to do after all: an area
+/// that was told of late, a box whose explorer was lost. So what is easily found of the whole site
+/// is delivered before anybody looks for the rest.
 class Regions {
  public:
   explicit Regions(const mission::Mission& mission);
@@ -43,17 +49,23 @@ class Regions {
   bool all_done() const;
   /// Every area known here has its result here, image and all.
   static bool results_complete(const robot::Knowledge& k, RegionId region);
-  mission::RegionState state(RegionId region) const { return states_[region.value]; }
+  mission::RegionState state(RegionId region) const { return regions_[region.value].state; }
 
  private:
   void leave_at_work(const robot::Knowledge& k);
+  bool reopen(const robot::Knowledge& k);
   void give(Group& group, const Vec3& from, const robot::Knowledge& k);
   void back(robot::Knowledge& k, Group& group);
   bool reinforce(const robot::Knowledge& k, Group& group);
-  std::optional<RegionId> nearest_pending(const robot::Knowledge& k, const Vec3& from) const;
+  std::optional<RegionId> next_for(RobotId explorer, const Vec3& from,
+                                   const robot::Knowledge& k) const;
   void publish(robot::Knowledge& k) const;
 
-  std::vector<mission::RegionState> states_;
+  struct Region {
+    mission::RegionState state = mission::RegionState::kPending;
+    RobotId surveyor = kNoRobot;
+  };
+  std::vector<Region> regions_;
   std::map<RobotId, Group> groups_;
   std::vector<RobotId> orphans_;
 };

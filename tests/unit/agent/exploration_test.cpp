@@ -40,6 +40,20 @@ struct Site {
     return exploration.targets().owed_surface_m2();
   }
 
+  /// Looks at the cliff from near and far, until nothing large is owed.
+  void survey(Exploration& exploration) {
+    for (int i = 0; i < 100; ++i) {
+      mission::Sightings s = look(-5 + 0.5 * (i % 10));
+      s.sensor.p.y() = -1 - i / 10 % 5 * 0.5;
+      s.sensor.p.z() = 0.8 + i / 20 * 0.8;
+      exploration.on_look(k, s);
+    }
+    for (int i = 0; i < 10 && !exploration.surveyed(); ++i) {
+      be_at(k, k.now().s() + 5, {-1, -3, 2});
+      owed_m2(exploration);
+    }
+  }
+
   mission::Mission mission = two_boxes();
   Knowledge k{mission, RobotId{1}, 1};
 
@@ -86,15 +100,18 @@ TEST_CASE("a look on nobody's behalf counts where it sighted nothing that would 
   CHECK(site.owed_m2(kWest) < all_m2);
 }
 
-TEST_CASE("the more is found in a box, the smaller is what is still looked at there") {
+TEST_CASE(
+    "when a box is surveyed, the more was found there, the smaller is what is still looked at") {
   Site site;
   // Something of one voxel: less than anybody would look at.
   reveal(site.k, {-5, -6, 0.3}, {5, 5, 4.5},
          [](const Vec3& p) { return p.y() > 0 || (p - Vec3(-2.1, -1.1, 2.1)).norm() < 0.1; });
-  const auto least = [&] {
+  const auto least = [&](bool surveyed) {
     Exploration exploration(site.k, kWest);
-    for (const double later_s : {0, 5}) {
-      be_at(site.k, site.k.now().s() + later_s, {-1, -3, 2});
+    if (surveyed) site.survey(exploration);
+    REQUIRE(exploration.surveyed() == surveyed);
+    for (int i = 0; i < 2; ++i) {
+      be_at(site.k, site.k.now().s() + 5, {-1, -3, 2});
       site.owed_m2(exploration);
     }
     for (const map::Refused& r : exploration.targets().refused()) {
@@ -102,9 +119,13 @@ TEST_CASE("the more is found in a box, the smaller is what is still looked at th
     }
     return std::string();
   };
-  const std::string before = least();
+  const std::string cursory = "surface: looks promise less than 0.30 m²";
+  CHECK(least(false) == cursory);
+  const std::string before = least(true);
+  CHECK(before < cursory);
   for (std::uint64_t i = 1; i <= 20; ++i)
     site.k.publish(store::RecordClass::kArea, i, area_at({-2, 0, 2}, {-2, -3, 2}));
-  CHECK(least() < before);
-  CHECK(least() == "surface: looks promise less than 0.12 m²");
+  CHECK(least(false) == cursory);
+  CHECK(least(true) < before);
+  CHECK(least(true) == "surface: looks promise less than 0.12 m²");
 }

@@ -21,10 +21,11 @@ struct Blank {
     be_at(k, t_s, {5, 3, 1.2});
     return explorer.decide(k, {});
   }
-  void hear_orders() {
+  void hear_orders(bool surveyed = false) {
     mission::Plan plan;
     plan.kind = mission::PlanKind::kAssignment;
     plan.allocations = {{kSelf, kNoRobot, RegionId{0}, {}}};
+    if (surveyed) plan.allocations.push_back({kNoRobot, kSelf, RegionId{0}, {}});
     station.publish(store::RecordClass::kPlan, robot::plan_key(plan.kind), plan);
     robot::pass(station, k, store::RecordClass::kPlan);
   }
@@ -84,4 +85,57 @@ TEST_CASE("an explorer that starts again with its looks goes on with what it sig
   explorer.on_sightings(again, look);
   REQUIRE(again.areas().size() == 1);
   CHECK(again.areas().begin()->second.area.sightings == 2);
+}
+
+namespace {
+
+/// Works on a region of which everything is known and nothing is to be seen.
+struct Empty : Blank {
+  Empty() {
+    reveal(k, {-6, -6, 0.1}, {12, 6, 7}, [](const Vec3&) { return false; });
+    at(t_s);
+    hear_orders();
+  }
+  mission::RegionProgress after(double span_s) {
+    for (const double end_s = t_s + span_s; t_s < end_s; t_s += 2) {
+      mission::Scan scan;
+      scan.sensor.p = k.position();
+      explorer.on_scan(k, scan);
+      at(t_s);
+    }
+    return k.health(kSelf)->body.regions.front();
+  }
+  double t_s = 100;
+};
+
+}  // namespace
+
+TEST_CASE("a region is surveyed, and done after the round of thorough looks") {
+  Empty e;
+  CHECK(e.after(20).state == mission::RegionState::kSurveyed);
+  e.hear_orders(true);
+  CHECK(e.after(20).state == mission::RegionState::kDone);
+}
+
+TEST_CASE("a region is not done while something that was sighted may become an area yet") {
+  Empty e;
+  mission::Area area;
+  area.position = {5, 0, 2};
+  area.region = RegionId{0};
+  e.k.publish(store::RecordClass::kArea, 7, area);
+  mission::Inspection result;
+  result.area = {kSelf, 7};
+  result.area_position = area.position;
+  result.found = true;
+  result.findings = {{FeatureId{1}, 0, {5, 0, 2}}};
+  e.k.publish(store::RecordClass::kInspection, robot::result_key(result.area), result);
+  REQUIRE(e.after(20).state == mission::RegionState::kSurveyed);
+  mission::Sightings look;
+  look.sensor.p = {5, -3, 2};
+  look.seen = {{{5, 0.6, 2}, 0, 0, 0}};  // beside what is known: a second one would tell
+  e.explorer.on_sightings(e.k, look);
+  CHECK(e.after(20).state == mission::RegionState::kExplored);
+  CHECK(e.k.areas().size() == 1);
+  CHECK(e.after(40).state == mission::RegionState::kExplored);
+  CHECK(e.k.areas().size() == 2);  // to be inspected
 }

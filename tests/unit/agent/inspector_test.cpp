@@ -124,29 +124,40 @@ TEST_CASE("beside a known feature, refusals close an area, but not one that was 
   }
 }
 
-TEST_CASE("an area that was refused once and then is out of reach is given up, but not soon") {
+TEST_CASE(
+    "an area that was refused once and then is out of reach is given up: soon only "
+    "where one was given up before") {
   Life l;
   mission::Status health;
   health.kind = mission::StatusKind::kHealth;
   health.regions = {{RegionId{0}, mission::RegionState::kExplored}};
   l.explorer.publish(store::RecordClass::kStatus, robot::kHealthKey, health);
   robot::pass(l.explorer, l.self, store::RecordClass::kStatus);
-  l.give({{5, 0, 2}});
-  REQUIRE(l.decide().kind == Kind::kInspect);
-  l.answer(mission::InspectOutcome::kRefusedView);
-  reveal(l.self, {-6, -6, 0.1}, {6, 6, 7},
-         [](const Vec3& p) { return (p - Vec3(2, 0, 2)).norm() > 0.8; });
+  const auto refused_once_then_out_of_reach = [&] {
+    reveal(l.self, {-6, -6, 0.1}, {6, 6, 7}, wall);
+    l.progress = {};
+    l.give({{5, 0, 2}});
+    REQUIRE(l.decide().kind == Kind::kInspect);
+    l.answer(mission::InspectOutcome::kRefusedView);
+    reveal(l.self, {-6, -6, 0.1}, {6, 6, 7},
+           [](const Vec3& p) { return (p - Vec3(2, 0, 2)).norm() > 0.8; });
+  };
   double t_s = 10;
-  const auto wait = [&](double until_s) {
-    for (; t_s < until_s && l.self.results().empty(); t_s += 10) {
+  const auto closed_by = [&](double until_s, std::size_t results) {
+    for (; t_s < until_s && l.self.results().size() < results; t_s += 10) {
       l.decide();
       l.progress = {};
       l.time(t_s);
     }
-    return !l.self.results().empty();
+    return l.self.results().size() == results;
   };
-  CHECK_FALSE(wait(600));
-  CHECK(wait(3600));
+  refused_once_then_out_of_reach();
+  CHECK_FALSE(closed_by(600, 1));
+  REQUIRE(closed_by(3600, 1));
+
+  // In the same spot once more.
+  refused_once_then_out_of_reach();
+  CHECK(closed_by(t_s + 590, 2));
 }
 
 TEST_CASE("an area is looked at from elsewhere than a look there that named only what is known") {

@@ -128,11 +128,18 @@ inline Meeting Samples::make() {
 template <>
 inline Status Samples::make() {
   const auto region = [&] {
-    return RegionProgress{id<RegionId>(), choice<RegionState>(3), real(), real(), u32(), u32(),
+    return RegionProgress{id<RegionId>(), choice<RegionState>(4), real(), real(), u32(), u32(),
                           real()};
   };
-  return {choice<StatusKind>(3), id<RobotId>(), choice<RequestVerb>(5), u32(), real(), real(),
-          list(region),          text()};
+  return {choice<StatusKind>(4),
+          id<RobotId>(),
+          choice<RequestVerb>(5),
+          u32(),
+          real(),
+          real(),
+          list(region),
+          list([&] { return pose(); }),
+          text()};
 }
 template <>
 inline ExchangeEnd Samples::make() {

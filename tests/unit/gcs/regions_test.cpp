@@ -137,3 +137,114 @@ TEST_CASE("a station without an assignment of its own has nothing to take up") {
   Regions regions(robot::small_mission());
   CHECK_FALSE(regions.resume(station));
 }
+
+TEST_CASE("what was surveyed is gone through again by who did, when nothing is pending") {
+  mission::Mission mission = robot::small_mission();
+  mission.boxes = {Box::from_corners({2, -4, 0.3}, {6, 4, 6}),
+                   Box::from_corners({6, -4, 0.3}, {10, 4, 6}),
+                   Box::from_corners({-4, -4, 0.3}, {2, 4, 6})};
+  constexpr RobotId kOther{3};
+  mission.fleet.push_back(mission.fleet[1]);
+  mission.fleet.back().id = kOther;
+  robot::Knowledge station(mission, RobotId{0}, 1);
+  std::map<RobotId, robot::Knowledge> explorers;
+  explorers.try_emplace(kExplorer, mission, kExplorer, 1);
+  explorers.try_emplace(kOther, mission, kOther, 1);
+  Regions regions(mission);
+  regions.assign_all(station);
+  const auto region = [&](RobotId id) { return regions.groups().at(id).region; };
+  std::uint64_t beacon = 0;
+  const auto report = [&](RobotId id, mission::RegionState state) {
+    robot::Knowledge& k = explorers.at(id);
+    mission::Status health;
+    health.kind = mission::StatusKind::kHealth;
+    health.regions = {{.region = region(id), .state = state}};
+    k.publish(store::RecordClass::kStatus, robot::kHealthKey, health);
+    robot::pass(k, station, store::RecordClass::kStatus);
+    robot::hear(station, k);
+    for (int i = 0; i < 2; ++i) {
+      station.exchange().on_beacon(id, 1, ++beacon, k.store().digest(), station.now());
+      for (const auto cls : {store::RecordClass::kPlan, store::RecordClass::kStatus})
+        robot::pass(station, k, cls);
+    }
+    return regions.report(station, id);
+  };
+  const RegionId first = region(kExplorer), second = region(kOther);
+  REQUIRE(first != second);
+
+  REQUIRE(report(kExplorer, mission::RegionState::kSurveyed));
+  const RegionId third = region(kExplorer);
+  CHECK(regions.state(first) == mission::RegionState::kSurveyed);
+  CHECK(regions.state(third) == mission::RegionState::kAssigned);
+  REQUIRE(report(kExplorer, mission::RegionState::kSurveyed));
+  const RegionId again = region(kExplorer);
+  CHECK((again == first || again == third));
+  CHECK(regions.state(again) == mission::RegionState::kAssigned);
+  CHECK_FALSE(report(kExplorer, mission::RegionState::kSurveyed));  // as was known
+
+  // When it is through with its own it helps the other.
+  REQUIRE(report(kOther, mission::RegionState::kSurveyed));
+  CHECK(region(kOther) == second);
+  REQUIRE(report(kOther, mission::RegionState::kDone));
+  CHECK(regions.state(second) == mission::RegionState::kDone);
+  const RegionId last = again == first ? third : first;
+  CHECK(region(kOther) == last);
+
+  Regions later(mission);
+  REQUIRE(later.resume(station));
+  for (const RegionId r : {first, second, third}) CHECK(later.state(r) == regions.state(r));
+
+  REQUIRE(report(kExplorer, mission::RegionState::kDone));
+  CHECK(regions.groups().at(kExplorer).released);
+  CHECK_FALSE(regions.all_done());
+  REQUIRE(report(kOther, mission::RegionState::kDone));  // gets the inspector first
+  REQUIRE(report(kOther, mission::RegionState::kDone));
+  CHECK(regions.all_done());
+}
+
+TEST_CASE("what was surveyed by one who is lost stays surveyed") {
+  Site s;
+  robot::Knowledge explorer(s.mission, kExplorer, 1);
+  mission::Plan plan = s.station.plan(RobotId{0}, mission::PlanKind::kAssignment)->body;
+  plan.allocations.push_back({kNoRobot, kExplorer, kRegion, {}});
+  s.station.publish(store::RecordClass::kPlan, robot::plan_key(plan.kind), plan);
+  Regions regions(s.mission);
+  REQUIRE(regions.resume(s.station));
+  CHECK(regions.state(kRegion) == mission::RegionState::kAssigned);
+  regions.lost(s.station, kExplorer);
+  CHECK(regions.state(kRegion) == mission::RegionState::kSurveyed);
+  CHECK(regions.report(s.station, kExplorer));
+  CHECK(regions.groups().at(kExplorer).region == kRegion);
+}
+
+TEST_CASE("an area that is told of late is inspected by who was released") {
+  Site s;
+  robot::Knowledge explorer(s.mission, kExplorer, 1);
+  std::uint64_t beacon = 0;
+  const auto report = [&](mission::RegionState state) {
+    mission::Status health;
+    health.kind = mission::StatusKind::kHealth;
+    health.regions = {{.region = kRegion, .state = state}};
+    explorer.publish(store::RecordClass::kStatus, robot::kHealthKey, health);
+    robot::pass(explorer, s.station, store::RecordClass::kStatus);
+    robot::pass(explorer, s.station, store::RecordClass::kArea);
+    robot::hear(s.station, explorer);
+    for (int i = 0; i < 2; ++i) {
+      s.station.exchange().on_beacon(kExplorer, 1, ++beacon, explorer.store().digest(),
+                                     s.station.now());
+      robot::pass(s.station, explorer, store::RecordClass::kPlan);
+    }
+    return s.regions.report(s.station, kExplorer);
+  };
+  REQUIRE(report(mission::RegionState::kSurveyed));
+  REQUIRE(report(mission::RegionState::kDone));
+  REQUIRE(s.regions.groups().at(kExplorer).released);
+  CHECK_FALSE(report(mission::RegionState::kDone));
+  mission::Area area;
+  area.region = kRegion;
+  explorer.publish(store::RecordClass::kArea, 7, area);
+  CHECK(report(mission::RegionState::kDone));
+  CHECK_FALSE(s.regions.all_done());
+  CHECK(s.regions.groups().at(kExplorer).region == kRegion);
+  CHECK_FALSE(report(mission::RegionState::kDone));  // without a result it is not
+}

@@ -38,6 +38,7 @@ void tell(robot::Knowledge& k) {
   for (std::uint64_t key : {7, 8}) {
     mission::Area area;
     area.position = Vec3(4, 5, static_cast<double>(key));
+    area.region = RegionId{0};
     hear(k, kExplorer, RecordClass::kArea, key, key - 6, area);
     mission::Inspection result;
     result.area = {kExplorer, key};
@@ -103,6 +104,27 @@ TEST_CASE("station.db says by name what was found, by whom, and who was met") {
              "SELECT proposer, partner, meeting, agreed, proposed_s, x_m, from_s, until_s, "
              "fallbacks FROM meetings",
              9) == Rows{"1|0|4|0|5.0|1.0|90.0|120.0|1"});
+}
+
+TEST_CASE("station.db has a row for every box, by the assignment and what explorers last said") {
+  const Results results([](robot::Knowledge& k) {
+    mission::Plan plan;
+    plan.kind = mission::PlanKind::kAssignment;
+    plan.allocations = {{kNoRobot, kExplorer, RegionId{0}, {}}};
+    k.publish(RecordClass::kPlan, robot::plan_key(plan.kind), plan);
+  });
+  Database surveyed(results.path.string());
+  const std::string query =
+      "SELECT region, explorer, state, explored_m3 < volume_m3, areas_found FROM regions";
+  CHECK(rows(surveyed, query, 5) == std::vector<std::string>{"0|1|surveyed|1|2"});
+
+  const Results told([](robot::Knowledge& k) {
+    mission::Status health;
+    health.regions = {{.region = RegionId{0}, .state = mission::RegionState::kExplored}};
+    hear(k, kExplorer, RecordClass::kStatus, robot::kHealthKey, 1, health);
+  });
+  Database explored(told.path.string());
+  CHECK(rows(explored, query, 5) == std::vector<std::string>{"0|1|explored|1|2"});
 }
 
 TEST_CASE("a meeting is agreed when exactly this proposal was acknowledged") {

@@ -3,6 +3,7 @@
 
 #include "common/map/region_cells.h"
 #include "common/map/targets.h"
+#include "common/map/visibility.h"
 #include "tests/unit/map/said.h"
 #include "tests/unit/map/toy_world.h"
 
@@ -213,6 +214,37 @@ TEST_CASE("the side below an overhang is owed looks from several sectors") {
   CHECK(cells.promise(under) < at_first);
   look_often(cells, under, kSouth, p + Vec3(2, -0.6, -0.5));
   CHECK(cells.promise(under) == 0);
+}
+
+TEST_CASE("a look at the side below an overhang counts when it shows the corner between them") {
+  VoxelMap m(toy::config());
+  make_known(m, [](const Vec3& p) { return p.y() > 0 || (p.y() > -1 && p.z() > 2); });
+  RegionCells cells(m, kBox, 2, 2.5);
+  cells.update();
+  const VoxelKey under = m.key({0.1, 0.1, 1.9}), open = m.key({0.1, 0.1, 1.3});
+  CHECK(cells.overhung(under, 3));
+  CHECK_FALSE(cells.overhung(open, 3));
+  // From just above the overhang's underside its edge hides the corner.
+  const Vec3 higher(0.1, -2.8, 2.12), lower(0.1, -2.8, 1.5);
+  REQUIRE(m.line_of_sight(higher, m.center(under) - Vec3(0, 0.11, 0), false));
+  CHECK(faces_sighted(m, surface_aim(m, cells, under), higher, 5) == 0);
+  CHECK(faces_sighted(m, surface_aim(m, cells, under), lower, 5) == kSouth);
+  CHECK(cells.promise_from(under, m.center(under) + Vec3(0, -2, 0.5)) == 0);
+  CHECK(cells.promise_from(under, m.center(under) + Vec3(0, -2, -0.5)) == cells.promise(under));
+}
+
+TEST_CASE("nooks promise nothing when they are not asked for, and what they did when they are") {
+  VoxelMap m(toy::config());
+  make_known(m, [](const Vec3& p) { return p.y() > 0 || (p.y() > -1 && p.z() > 2); });
+  RegionCells cells(m, kBox, 2, 2.5);
+  cells.update();
+  const VoxelKey under = m.key({0.1, 0.1, 1.9});
+  cells.ask_for_nooks(false);
+  CHECK(cells.promise(under) == 1);  // nobody has looked at it
+  look_often(cells, under, kSouth, m.center(under) + Vec3(-0.5, -2, -0.5));
+  CHECK(cells.promise(under) == 0);
+  cells.ask_for_nooks(true);
+  CHECK(cells.promise(under) > 0);
 }
 
 TEST_CASE("a frontier looked at in vain is given up") {

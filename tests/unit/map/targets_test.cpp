@@ -164,7 +164,7 @@ TEST_CASE(
   for (int i = 0; i < 4; ++i) toy::see(m, kSite, {{5, -5, 1.5}, 1.5 * i});
   Targets targets(m, kBox, target_config(2));
   const auto surfaces = [&](double promise_m2) {
-    targets.ask_for(promise_m2);
+    targets.ask_for(promise_m2, true);
     for (int i = 0; i < 10; ++i) targets.update([](const Vec3&) { return true; });
     return std::ranges::count_if(targets.viewpoints(), &Viewpoint::surface);
   };

@@ -7,6 +7,7 @@
 #include "common/dds/map_block.h"
 #include "common/map/block_codec.h"
 #include "common/robot/robot.h"
+#include "tests/unit/map/said.h"
 #include "tests/unit/robot/fixtures.h"
 
 using namespace muster;
@@ -131,6 +132,37 @@ TEST_CASE("a robot that starts again knows what it knew: areas, results, its own
   CHECK(after.inspected(ref));
   CHECK(after.map().at(seen) == map::Voxel::kFree);
   CHECK(after.store().new_key(store::RecordClass::kArea) != ref.key);
+}
+
+TEST_CASE(
+    "a robot that came down through what it took for an obstacle knows that nothing is there") {
+  const Folder folder;
+  const mission::Mission m = small_mission();
+  const RobotId explorer{1};
+  const Vec3 p(4.1, 3.1, 0.26), obstacle = p + Vec3(0, 0, 0.7), beside = p + Vec3(1, 0, 0.7);
+  {
+    Knowledge before(m, explorer, 1);
+    const map::BlockKey block = map::block_of(before.map().key(obstacle));
+    std::vector<map::Voxel> voxels(map::kBlockVoxels, map::Voxel::kFree);
+    for (const Vec3& q : {obstacle, beside})
+      voxels.at(static_cast<std::size_t>(map::local_index(before.map().key(q)))) =
+          map::Voxel::kOccupied;
+    before.map().adopt_own(map::said(block, voxels));
+    auto file = journal(folder, explorer);
+    file.keep_block(map::pack(block),
+                    map::encode_blocks(std::array{before.map().own_block(block)}));
+    file.commit(before.store());
+  }
+  Robot robot(m, explorer, std::make_unique<Looking>(), 2);
+  robot.keep(std::make_unique<store::Journal>(journal_file(folder, explorer), explorer,
+                                              store::Journal::Durability::kProcess));
+  const map::VoxelMap& map = robot.knowledge().map();
+  REQUIRE(map.at(map.key(obstacle)) == map::Voxel::kOccupied);
+  mission::Odometry odometry;
+  odometry.pose.p = p;
+  robot.step({.tick = 1, .now = time_of_tick(1), .bus = {dds::encode(odometry)}, .air = {}});
+  CHECK(map.at(map.key(obstacle)) == map::Voxel::kFree);
+  CHECK(map.at(map.key(beside)) == map::Voxel::kOccupied);
 }
 
 TEST_CASE("own map blocks of an earlier start that come back by radio are own evidence again") {

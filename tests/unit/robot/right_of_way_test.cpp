@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <functional>
 #include <memory>
 
 #include "common/core/random.h"
@@ -88,17 +89,25 @@ class Flyer {
   double yaw_rad_ = 0;
 };
 
-/// A hall of 12.8 × 12.8 × 3.2 m that everybody knows.
+/// An empty hall of 12.8 × 12.8 × 3.2 m that everybody knows, where `known` says so.
 class Hall {
  public:
-  explicit Hall(const std::vector<Vec3>& starts)
+  explicit Hall(
+      const std::vector<Vec3>& starts,
+      const std::function<bool(const Vec3&)>& known = [](const Vec3&) { return true; })
       : mission_(fleet_mission(static_cast<int>(starts.size()))) {
     for (std::size_t i = 0; i < starts.size(); ++i) {
       const RobotId id{static_cast<std::uint32_t>(i + 1)};
       flyers_.push_back(std::make_unique<Flyer>(mission_, id, starts[i]));
       for (int block = 0; block < 16; ++block) {
         const map::BlockKey key{block % 4 - 2, block / 4 - 2, 0};
-        flyers_.back()->knowledge().map().merge(RobotId{99}, map::said(key, map::Voxel::kFree));
+        map::VoxelMap& map = flyers_.back()->knowledge().map();
+        std::vector<map::Voxel> voxels;
+        for (int voxel = 0; voxel < map::kBlockVoxels; ++voxel) {
+          const Vec3 p = map.center(map::voxel_in(key, voxel));
+          voxels.push_back(known(p) ? map::Voxel::kFree : map::Voxel::kUnknown);
+        }
+        map.merge(RobotId{99}, map::said(key, voxels));
       }
     }
   }
@@ -223,4 +232,16 @@ TEST_CASE("a robot that got no time for more than a second forgets its flight an
     hall.run(12);
     CHECK((hall[0].p() - goal).norm() < 0.5);
   }
+}
+
+TEST_CASE("who came down deep into what nobody knows rises before it flies anywhere") {
+  const Vec3 down(-4.1, 3.1, 0.5), goal(3, 0, 2.5);
+  Hall hall({down}, [&](const Vec3& p) {
+    const bool swept = (p - down).head<2>().norm() < 0.25 && p.z() > 0.2;
+    return p.z() > 1.6 || swept;
+  });
+  REQUIRE_FALSE(hall[0].knowledge().map().traversable(down));
+  hall[0].go(goal);
+  hall.run(20);
+  CHECK((hall[0].p() - goal).norm() < 0.5);
 }
