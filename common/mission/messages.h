@@ -216,7 +216,13 @@ struct RegionProgress {
   std::uint32_t areas_found = 0, areas_inspected = 0;
   float eta_s = -1;
 };
-enum class StatusKind : std::uint32_t { kHealth = 0, kRequest = 1, kComplete = 2, kLost = 3, kLooks = 4 };
+enum class StatusKind : std::uint32_t {
+  kHealth = 0,
+  kRequest = 1,
+  kComplete = 2,
+  kLost = 3,
+  kLooks = 4
+};
 enum class RequestVerb : std::uint32_t {
   kNone = 0,
   kHold = 1,
