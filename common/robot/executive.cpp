@@ -15,6 +15,7 @@ constexpr double kNoWay_s =
 constexpr double kNoWayLongest_s = 10;  // each failure doubles the wait, up to this
 constexpr double kRise_m = 6;           // from the ground to where there is room
 constexpr double kWayOut_m = 1.0;
+constexpr int kPressed = 8;           // ways refused because of what touches the body already
 constexpr double kOwnImage_m = 0.35;  // beyond the body: the noise of who mapped it, and a voxel
 // What is planned keeps more distance from teammates than what is flown on: no braking for a
 // centimetre.
@@ -429,6 +430,7 @@ bool Executive::fly(Knowledge& k, const nav::Path& whole, const Intent& intent,
           nav::check(t, k.now(), k.map(), radius_m_, movers_, bodies_.spheres(), kPlanMargin_m);
       if (!unsafe) {
         blocked_since_.reset();
+        pressed_ = 0;
         command(k, std::move(t), commands);
         progress_.state = Progress::State::kMoving;
         return true;
@@ -439,7 +441,10 @@ bool Executive::fly(Knowledge& k, const nav::Path& whole, const Intent& intent,
   }
   // What is being flown has been checked already; from rest, wait.
   if (!resting(k.now())) return false;
-  if (unsafe->with == "map" && rise(k, commands)) return true;
+  if (unsafe->with == "map") {
+    if (rise(k, commands)) return true;
+    if (!k.map().traversable(k.position()) && ++pressed_ > kPressed) disbelieve(k);
+  }
   blocked(k.now(), "unsafe: " + unsafe->with, unsafe->robot);
   return false;
 }
@@ -464,13 +469,18 @@ bool Executive::rise(Knowledge& k, Commands& commands) {
   return false;
 }
 
-/// The next search waits longer, the oftener there was no way. A robot came to where it is, so what
-/// keeps it there was put on the map since: by somebody who saw it stand and did not hear it.
+/// A robot came to where it is, so what keeps it there was put on the map since: by somebody who
+/// saw it stand, or hover there before, and did not hear it.
+void Executive::disbelieve(Knowledge& k) {
+  pressed_ = 0;
+  k.map().disbelieve_others(k.position(), radius_m_ + kOwnImage_m);
+}
+
+/// The next search waits longer, the oftener there was no way.
 void Executive::no_way(Knowledge& k) {
   plan_again_ = k.now() + Duration::from_s(std::min(kNoWayLongest_s, kNoWay_s * (1 << no_way_)));
   no_way_ = std::min(no_way_ + 1, 4);
-  if (no_way_ > 2 && resting(k.now()) && k.paths().confined(k.position(), kWayOut_m))
-    k.map().disbelieve_others(k.position(), radius_m_ + kOwnImage_m);
+  if (no_way_ > 2 && resting(k.now()) && k.paths().confined(k.position(), kWayOut_m)) disbelieve(k);
 }
 
 /// Something stands where a landing at `p` would come down: it rises from the ground around.

@@ -52,6 +52,7 @@ class Executive {
   void dodge(Knowledge& knowledge, Commands& commands);
   void make_room(Knowledge& knowledge, Commands& commands);
   bool rise(Knowledge& k, Commands& commands);
+  void disbelieve(Knowledge& k);
   void no_way(Knowledge& knowledge);
   bool taken(const map::VoxelMap& map, const Vec3& p) const;
   void find_landing(Knowledge& knowledge, const Intent& intent, Commands& commands);
@@ -90,6 +91,7 @@ class Executive {
   int landing_tries_ = 0;
   bool way_done_ = false;  // the last way found ends here
   int no_way_ = 0;         // searches in a row that found none
+  int pressed_ = 0;        // ways in a row that led closer to what is too close
 
   std::uint64_t checked_revision_ = 0;
   SimTime checked_at_;

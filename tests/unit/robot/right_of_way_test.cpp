@@ -245,3 +245,27 @@ TEST_CASE("who came down deep into what nobody knows rises before it flies anywh
   hall.run(20);
   CHECK((hall[0].p() - goal).norm() < 0.5);
 }
+
+TEST_CASE("a rover is not held for ever by what others took for an obstacle where it stands") {
+  const mission::Mission m = fleet_mission(0);
+  const Vec3 here(-2.056, 3.375, m.fleet[0].start.p.z()), image(-2.1, 3.1, 0.7),
+      goal(-4.1, 2.1, here.z());
+  Flyer rover(m, m.fleet[0].id, here);
+  map::VoxelMap& map = rover.knowledge().map();
+  const map::VoxelKey seen = map.key(image);
+  for (int block = 0; block < 16; ++block) {
+    const map::BlockKey key{block % 4 - 2, block / 4 - 2, 0};
+    std::vector<map::Voxel> voxels(map::kBlockVoxels, map::Voxel::kFree);
+    for (int voxel = 0; voxel < map::kBlockVoxels; ++voxel) {
+      const map::VoxelKey k = map::voxel_in(key, voxel);
+      const bool wall = map.center(k).y() > 3.8;
+      if (wall || k == seen) voxels[static_cast<std::size_t>(voxel)] = map::Voxel::kOccupied;
+    }
+    map.merge(RobotId{99}, map::said(key, voxels));
+  }
+  REQUIRE_FALSE(map.traversable(here));
+  rover.go(goal);
+  SimTime now;
+  for (int tick = 0; tick < 300; ++tick, now = now + kTick) rover.step(now, {});
+  CHECK((rover.p() - goal).norm() < 0.5);
+}
