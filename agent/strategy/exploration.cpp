@@ -64,18 +64,25 @@ Exploration::Exploration(robot::Knowledge& k, RegionId region)
 }
 
 /// A surface that becomes known is credited with these looks as with later ones. (What a look on
-/// nobody's behalf sighted is lost: it has to be seen again. Others look with cameras like this.)
+/// nobody's behalf sighted is lost: it has to be seen again.)
 void Exploration::recall(const robot::Knowledge& k) {
-  const auto looked = [&](const Pose& sensor, double pitch_rad) {
-    const Box& box = k.mission().boxes[region_.value];
-    if (box.distance(sensor.p) < k.mission().sensing.sighting_range_m)
-      targets_.looked(sensor, pitch_rad);
-  };
   for (const auto& [explored, look] : k.looks()) {
     const bool lost = explored == kNoRegion && !look.seen.empty();
-    if (!lost) looked(look.sensor, look.pitch_rad);
+    if (!lost) count_look(k, look.sensor, look.pitch_rad);
   }
-  for (const Pose& sensor : k.looks_of_others()) looked(sensor, k.config().vehicle.pitch_rad);
+}
+
+/// (Others look with cameras like this one.)
+void Exploration::take_told_looks(const robot::Knowledge& k) {
+  const std::vector<Pose>& told = k.told_looks();
+  for (; told_looks_ < told.size(); ++told_looks_)
+    count_look(k, told[told_looks_], k.config().vehicle.pitch_rad);
+}
+
+void Exploration::count_look(const robot::Knowledge& k, const Pose& sensor, double pitch_rad) {
+  const Box& box = k.mission().boxes[region_.value];
+  if (box.distance(sensor.p) < k.mission().sensing.sighting_range_m)
+    targets_.looked(sensor, pitch_rad);
 }
 
 void Exploration::on_scan(const mission::Scan& scan) {
@@ -335,6 +342,7 @@ std::optional<robot::Intent> Exploration::next(robot::Knowledge& k, const robot:
                                                double budget_s, const Vec3& meeting,
                                                std::vector<mission::PlanningTime>& planning) {
   const SimTime now = k.now();
+  take_told_looks(k);
   const bool news = scans_ + looks_ != settled_;
   if (news || progress.blocked_s > kBlocked_s) {
     if (news) {

@@ -49,6 +49,8 @@ class Exploration {
     bool surface = false;
   };
   void recall(const robot::Knowledge& knowledge);
+  void take_told_looks(const robot::Knowledge& knowledge);
+  void count_look(const robot::Knowledge& knowledge, const Pose& sensor, double pitch_rad);
   ViewPrice price() const;
   double worth_looking_m2(const robot::Knowledge& k) const;
   bool worth_keeping(const robot::Knowledge& k, const robot::Progress& progress);
@@ -73,6 +75,7 @@ class Exploration {
   std::uint64_t scans_ = 0, looks_ = 0;  // heard so far
   std::uint64_t settled_ = 0, refreshed_scans_ = 0, arrived_scans_ = 0, arrived_looks_ = 0,
                 arrived_counted_ = 0;
+  std::size_t told_looks_ = 0;  // taken in
   SimTime last_look_, refresh_again_, give_up_;
   bool entered_ = false;  // something of the box is known
   bool surveyed_ = false, done_ = false;

@@ -308,7 +308,8 @@ void Slei3dExplorer::tell_progress(robot::Knowledge& k) {
   k.publish(store::RecordClass::kStatus, robot::kHealthKey, told_);
 }
 
-/// Whoever goes on with this region need not look again.
+/// Whoever goes on with this region need not look again; nor has this robot, should it lose its
+/// journal: it is said for good.
 void Slei3dExplorer::tell_looks(robot::Knowledge& k) {
   mission::Status status;
   status.kind = mission::StatusKind::kLooks;
@@ -318,7 +319,8 @@ void Slei3dExplorer::tell_looks(robot::Knowledge& k) {
     if (explored != kNoRegion) status.looks.push_back(look.sensor);
   }
   if (!status.looks.empty())
-    k.publish(store::RecordClass::kStatus, k.store().new_key(store::RecordClass::kStatus), status);
+    k.publish(store::RecordClass::kRequest, k.store().new_key(store::RecordClass::kRequest),
+              status);
 }
 
 // ---- the inspectors

@@ -115,6 +115,15 @@ bool Knowledge::receive(RobotId from, std::uint64_t n, store::Record record) {
 }
 
 void Knowledge::restore(store::Journal& journal) {
+  journal.restore_looks([&](RegionId explored, const Bytes& sightings) {
+    try {
+      keep_look(explored,
+                dds::decode<mission::Sightings>({mission::MessageClass::kSightings, sightings}));
+    } catch (const BadInput& bad) {
+      log::warn("a look that was kept is of no use: {}", bad.what());
+    }
+  });
+  looks_kept_ = !looks_.empty();
   journal.restore(store_, [&](const store::Record& record) {
     try {
       ingest(record);
@@ -124,14 +133,6 @@ void Knowledge::restore(store::Journal& journal) {
   });
   journal.restore_blocks([&](std::uint64_t, const Bytes& voxels) {
     for (const map::SaidBlock& block : map::decode_blocks(voxels)) map_.adopt_own(block);
-  });
-  journal.restore_looks([&](RegionId explored, const Bytes& sightings) {
-    try {
-      keep_look(explored,
-                dds::decode<mission::Sightings>({mission::MessageClass::kSightings, sightings}));
-    } catch (const BadInput& bad) {
-      log::warn("a look that was kept is of no use: {}", bad.what());
-    }
   });
 }
 
@@ -253,10 +254,12 @@ void Knowledge::ingest_status(const store::Record& record) {
     case mission::StatusKind::kLost:
       lost_[body.robot] = record.header.stamp;
       break;
-    case mission::StatusKind::kLooks:  // (one's own are in the journal, with what they sighted)
-      if (record.header.author.robot != self_)
-        looks_of_others_.insert(looks_of_others_.end(), body.looks.begin(), body.looks.end());
+    case mission::StatusKind::kLooks: {
+      const store::Author& author = record.header.author;
+      const bool kept = author.robot == self_ && (looks_kept_ || author.epoch == epoch());
+      if (!kept) told_looks_.insert(told_looks_.end(), body.looks.begin(), body.looks.end());
       break;
+    }
   }
 }
 

@@ -83,8 +83,8 @@ class Knowledge {
 
   /// All looks so far, in order; those of earlier starts, too, as far as the journal kept them.
   const std::vector<Look>& looks() const { return looks_; }
-  /// Whence the others looked, as far as they said.
-  const std::vector<Pose>& looks_of_others() const { return looks_of_others_; }
+  /// Whence the others looked, as far as they said; this robot as well before it lost its journal.
+  const std::vector<Pose>& told_looks() const { return told_looks_; }
 
   // ---- teammates
   const std::map<RobotId, Teammate>& teammates() const { return teammates_; }
@@ -158,7 +158,8 @@ class Knowledge {
   mission::Odometry odometry_;
   mission::Battery battery_;
   std::vector<Look> looks_;
-  std::vector<Pose> looks_of_others_;
+  std::vector<Pose> told_looks_;
+  bool looks_kept_ = false;  // the journal has those that this robot told
   map::VoxelMap map_;
   nav::PathFinder paths_;
   store::RecordStore store_;

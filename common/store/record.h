@@ -14,7 +14,7 @@ namespace muster::store {
 enum class RecordClass : std::uint32_t {
   kInspection = 1,  ///< results (part 0 of an image counts as one)
   kMeeting = 2,
-  kRequest = 3,  ///< operator's requests and declarations (air topic `status`)
+  kRequest = 3,  ///< operator's requests, declarations, looks: said for good (air topic `status`)
   kPlan = 4,
   kArea = 5,
   kStatus = 6,

@@ -100,6 +100,26 @@ TEST_CASE("a look on nobody's behalf counts where it sighted nothing that would 
   CHECK(site.owed_m2(kWest) < all_m2);
 }
 
+TEST_CASE("looks that another told of count, also when word of them comes late") {
+  Site site;
+  const double all_m2 = site.owed_m2(kWest);
+  Exploration begun(site.k, kWest);
+  const Pose there = Site::look(-2).sensor;
+  const auto owed_there_m2 = [&] {
+    site.owed_m2(begun);
+    return begun.targets().worth(there).owed_m2;
+  };
+  const double before_m2 = owed_there_m2();
+  Knowledge other(site.mission, RobotId{2}, 1);
+  mission::Status told;
+  told.kind = mission::StatusKind::kLooks;
+  told.looks = {there, there};
+  other.publish(store::RecordClass::kRequest, 7, told);
+  robot::pass(other, site.k, store::RecordClass::kRequest);
+  CHECK(owed_there_m2() < 0.5 * before_m2);
+  CHECK(site.owed_m2(kWest) < all_m2);
+}
+
 TEST_CASE(
     "when a box is surveyed, the more was found there, the smaller is what is still looked at") {
   Site site;

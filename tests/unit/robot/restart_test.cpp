@@ -78,6 +78,32 @@ TEST_CASE("a robot that starts again has the looks of all its earlier starts, in
   }
 }
 
+TEST_CASE("looks that were told count for others, and for who told them when its journal is lost") {
+  const Folder folder;
+  const mission::Mission m = small_mission();
+  const RobotId explorer{1}, other{2};
+  Knowledge before(m, explorer, 1), friendly(m, other, 1);
+  mission::Status told;
+  told.kind = mission::StatusKind::kLooks;
+  told.looks = {{{1, 2, 3}, 0.5}, {{2, 2, 3}, 0.5}};
+  before.publish(store::RecordClass::kRequest, 7, told);
+  CHECK(before.told_looks().empty());
+  pass(before, friendly, store::RecordClass::kRequest);
+  CHECK(friendly.told_looks().size() == 2);
+  {
+    auto file = journal(folder, explorer);
+    file.keep_look(RegionId{0}, dds::encode(look(1, {})).cdr);
+    file.commit(before.store());
+  }
+  auto file = journal(folder, explorer);
+  Knowledge kept(m, explorer, 2), blank(m, explorer, 2);
+  kept.restore(file);
+  for (Knowledge* k : {&kept, &blank}) pass(friendly, *k, store::RecordClass::kRequest);
+  CHECK(kept.looks().size() == 1);
+  CHECK(kept.told_looks().empty());
+  CHECK(blank.told_looks().size() == 2);
+}
+
 TEST_CASE("a kept look that cannot be read is left out") {
   const Folder folder;
   const mission::Mission m = small_mission();
