@@ -455,8 +455,8 @@ bool Executive::rise(Knowledge& k, Commands& commands) {
   const Vec3 here = k.position();
   if (k.config().vehicle.ground || k.map().traversable(here)) return false;
   const double edge_m = k.map().config().resolution_m;
-  for (double up_m = edge_m; up_m < kRise_m + edge_m / 2; up_m += edge_m) {
-    const Vec3 above = here + up_m * Vec3::UnitZ();
+  for (int up = 1; up * edge_m <= kRise_m; ++up) {
+    const Vec3 above = here + up * edge_m * Vec3::UnitZ();
     if (!k.map().traversable(above)) continue;
     nav::Trajectory t = nav::time_path({{here, above}}, {state(k), std::nullopt, 0.5}, limits_);
     if (nav::check(t, k.now(), k.map(), radius_m_, movers_, bodies_.spheres(), kPlanMargin_m))

@@ -44,8 +44,9 @@ struct Site {
   void survey(Exploration& exploration) {
     for (int i = 0; i < 100; ++i) {
       mission::Sightings s = look(-5 + 0.5 * (i % 10));
-      s.sensor.p.y() = -1 - i / 10 % 5 * 0.5;
-      s.sensor.p.z() = 0.8 + i / 20 * 0.8;
+      const int nearer = i / 10 % 5, higher = i / 20;
+      s.sensor.p.y() = -1 - 0.5 * nearer;
+      s.sensor.p.z() = 0.8 + 0.8 * higher;
       exploration.on_look(k, s);
     }
     for (int i = 0; i < 10 && !exploration.surveyed(); ++i) {
