@@ -443,7 +443,8 @@ bool Executive::fly(Knowledge& k, const nav::Path& whole, const Intent& intent,
   if (!resting(k.now())) return false;
   if (unsafe->with == "map") {
     if (rise(k, commands)) return true;
-    if (!k.map().traversable(k.position()) && ++pressed_ > kPressed) disbelieve(k);
+    if (k.config().vehicle.ground && !k.map().traversable(k.position()) && ++pressed_ > kPressed)
+      disbelieve(k);
   }
   blocked(k.now(), "unsafe: " + unsafe->with, unsafe->robot);
   return false;
