@@ -9,6 +9,7 @@ namespace {
 constexpr double kMaxStep_s = 0.1;
 constexpr double kHoverAfter_s = 2;  ///< the place of arrival must stay free this long
 constexpr double kSlack_m = 1e-3;
+constexpr double kOthersStep_m = 0.05;
 
 /// Distance from `p` to the cube of voxel `k` with edge `edge_m`; the UGV's is measured in its
 /// plane.
@@ -144,18 +145,13 @@ std::vector<Other> others_of(double radius_m, std::span<const Mover> movers,
   return others;
 }
 
-}  // namespace
-
-std::optional<Unsafe> check(const Trajectory& trajectory, SimTime from, const map::VoxelMap& map,
-                            double radius_m, std::span<const Mover> movers,
-                            std::span<const map::Sphere> obstacles, double margin_m) {
+/// `depth(p)`: how deep the body at `p` is in what it must not be in.
+template <class Depth>
+std::optional<Unsafe> sweep(const Trajectory& trajectory, SimTime from, double step_m,
+                            std::vector<Other> others, Depth&& depth_at) {
   if (trajectory.empty()) return std::nullopt;
-  const double step_m = std::max(0.02, map.config().clearance_m / 2);
-  MapGuard guard(map, radius_m);
-  auto others = others_of(radius_m, movers, obstacles, margin_m);
-
   const Vec3 first = trajectory.at(from).p;
-  double depth = guard.depth(first);
+  double depth = depth_at(first);
   bool inside = depth > 0;
   const SimTime moving_until = std::max(from, trajectory.end());
   const SimTime last =
@@ -163,7 +159,7 @@ std::optional<Unsafe> check(const Trajectory& trajectory, SimTime from, const ma
   for (SimTime t = from;;) {
     const State s = trajectory.at(t);
     if (t <= moving_until) {
-      const double now = guard.depth(s.p);
+      const double now = depth_at(s.p);
       // In contact with the map already (drift, a late discovery): out is allowed, deeper is not.
       if (now > 0 && (!inside || now > depth + kSlack_m)) return Unsafe{t, s.p, "map", kNoRobot};
       inside = now > 0;
@@ -177,6 +173,24 @@ std::optional<Unsafe> check(const Trajectory& trajectory, SimTime from, const ma
     const double fast = std::max(0.25, s.v_mps.norm() * 1.25);
     t = std::min(last, t + Duration::from_s(std::min(kMaxStep_s, step_m / fast)));
   }
+}
+
+}  // namespace
+
+std::optional<Unsafe> check(const Trajectory& trajectory, SimTime from, const map::VoxelMap& map,
+                            double radius_m, std::span<const Mover> movers,
+                            std::span<const map::Sphere> obstacles, double margin_m) {
+  const double step_m = std::max(0.02, map.config().clearance_m / 2);
+  MapGuard guard(map, radius_m);
+  return sweep(trajectory, from, step_m, others_of(radius_m, movers, obstacles, margin_m),
+               [&](const Vec3& p) { return guard.depth(p); });
+}
+
+std::optional<Unsafe> check_others(const Trajectory& trajectory, SimTime from, double radius_m,
+                                   std::span<const Mover> movers,
+                                   std::span<const map::Sphere> obstacles, double margin_m) {
+  return sweep(trajectory, from, kOthersStep_m, others_of(radius_m, movers, obstacles, margin_m),
+               [](const Vec3&) { return 0.0; });
 }
 
 }  // namespace muster::nav

@@ -77,5 +77,9 @@ struct Unsafe {
 std::optional<Unsafe> check(const Trajectory& trajectory, SimTime from, const map::VoxelMap& map,
                             double radius_m, std::span<const Mover> movers,
                             std::span<const map::Sphere> obstacles, double margin_m = 0.15);
+/// The same against movers and obstacles alone: for a way where the body has been.
+std::optional<Unsafe> check_others(const Trajectory& trajectory, SimTime from, double radius_m,
+                                   std::span<const Mover> movers,
+                                   std::span<const map::Sphere> obstacles, double margin_m = 0.15);
 
 }  // namespace muster::nav

@@ -16,6 +16,9 @@ constexpr double kNoWayLongest_s = 10;  // each failure doubles the wait, up to 
 constexpr double kRise_m = 6;           // from the ground to where there is room
 constexpr double kWayOut_m = 1.0;
 constexpr int kPressed = 8;           // ways refused because of what touches the body already
+constexpr double kTrailStep_m = 0.1;  // between places where it has been
+constexpr std::size_t kTrail = 500;   // places
+constexpr double kBackOut_m = 0.3;    // at least
 constexpr double kOwnImage_m = 0.35;  // beyond the body: the noise of who mapped it, and a voxel
 // What is planned keeps more distance from teammates than what is flown on: no braking for a
 // centimetre.
@@ -156,6 +159,17 @@ void Executive::dodge(Knowledge& k, Commands& commands) {
   step_aside(k, commands);
 }
 
+/// The way it came, and on the way back what is left of it.
+void Executive::remember(const Vec3& here) {
+  const auto off_m = [&](std::size_t from_end) {
+    return (here - trail_[trail_.size() - from_end]).norm();
+  };
+  while (backing_out_ && trail_.size() > 1 && off_m(2) <= off_m(1)) trail_.pop_back();
+  if (backing_out_ || (!trail_.empty() && off_m(1) < kTrailStep_m)) return;
+  if (trail_.size() == kTrail) trail_.erase(trail_.begin(), trail_.begin() + kTrail / 2);
+  trail_.push_back(here);
+}
+
 /// Our process got no time, and the vehicle, left alone, has stopped and may be landing: what was
 /// being flown is over.
 void Executive::forget_flight(const Knowledge& k) {
@@ -168,6 +182,7 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
   Commands commands;
   const SimTime now = k.now();
   if (now - stepped_at_ > kLeftAlone) forget_flight(k);
+  remember(k.position());
   stepped_at_ = now;
   progress_.inspected = request_open_ ? std::nullopt : std::move(progress_.inspected);
   look_around(k);
@@ -307,8 +322,10 @@ bool Executive::stay_safe(Knowledge& k, Commands& commands) {
   if (!due) return true;
   checked_revision_ = k.map().revision();
   checked_at_ = now;
-  const auto unsafe =
-      nav::check(trajectory_, now, k.map(), radius_m_, movers_, bodies_.spheres(), kFlyMargin_m);
+  const auto unsafe = backing_out_ ? nav::check_others(trajectory_, now, radius_m_, movers_,
+                                                       bodies_.spheres(), kFlyMargin_m)
+                                   : nav::check(trajectory_, now, k.map(), radius_m_, movers_,
+                                                bodies_.spheres(), kFlyMargin_m);
   if (!unsafe) return true;
 
   const double ahead_s = (unsafe->t - now).s();
@@ -443,8 +460,8 @@ bool Executive::fly(Knowledge& k, const nav::Path& whole, const Intent& intent,
   if (!resting(k.now())) return false;
   if (unsafe->with == "map") {
     if (rise(k, commands)) return true;
-    if (k.config().vehicle.ground && !k.map().traversable(k.position()) && ++pressed_ > kPressed)
-      disbelieve(k);
+    if (!k.map().traversable(k.position()) && ++pressed_ > kPressed && back_out(k, commands))
+      return true;
   }
   blocked(k.now(), "unsafe: " + unsafe->with, unsafe->robot);
   return false;
@@ -470,18 +487,34 @@ bool Executive::rise(Knowledge& k, Commands& commands) {
   return false;
 }
 
-/// A robot came to where it is, so what keeps it there was put on the map since: by somebody who
-/// saw it stand, or hover there before, and did not hear it.
-void Executive::disbelieve(Knowledge& k) {
+/// A robot came to where it is, so the way it came is free, whatever the map has learned since:
+/// from somebody who saw it stand and did not hear it, or because a voxel is wider than what it
+/// shows. Back to where the map leaves room.
+bool Executive::back_out(Knowledge& k, Commands& commands) {
+  const Vec3 here = k.position();
+  nav::Path way{{here}};
+  const auto room = std::find_if(trail_.rbegin(), trail_.rend(), [&](const Vec3& p) {
+    if ((p - way.points.back()).norm() >= kTrailStep_m / 2) way.points.push_back(p);
+    return (p - here).norm() >= kBackOut_m && k.map().traversable(p);
+  });
+  if (room == trail_.rend()) return false;
+  nav::Trajectory t = nav::time_path(way, {state(k), std::nullopt, 0.5}, limits_, kCorners_m[2]);
+  if (nav::check_others(t, k.now(), radius_m_, movers_, bodies_.spheres(), kPlanMargin_m))
+    return false;
   pressed_ = 0;
-  k.map().disbelieve_others(k.position(), radius_m_ + kOwnImage_m);
+  blocked_since_.reset();
+  command(k, std::move(t), commands);
+  backing_out_ = true;
+  progress_.state = Progress::State::kMoving;
+  return true;
 }
 
 /// The next search waits longer, the oftener there was no way.
 void Executive::no_way(Knowledge& k) {
   plan_again_ = k.now() + Duration::from_s(std::min(kNoWayLongest_s, kNoWay_s * (1 << no_way_)));
   no_way_ = std::min(no_way_ + 1, 4);
-  if (no_way_ > 2 && resting(k.now()) && k.paths().confined(k.position(), kWayOut_m)) disbelieve(k);
+  if (no_way_ > 2 && resting(k.now()) && k.paths().confined(k.position(), kWayOut_m))
+    k.map().disbelieve_others(k.position(), radius_m_ + kOwnImage_m);
 }
 
 /// Something stands where a landing at `p` would come down: it rises from the ground around.
@@ -575,6 +608,7 @@ void Executive::brake(Knowledge& k, Commands& commands) {
 
 void Executive::command(Knowledge& k, nav::Trajectory trajectory, Commands& commands) {
   trajectory_ = std::move(trajectory);
+  backing_out_ = false;
   checked_revision_ = k.map().revision();
   checked_at_ = k.now();
   mission::Trajectory message;

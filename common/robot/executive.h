@@ -52,7 +52,8 @@ class Executive {
   void dodge(Knowledge& knowledge, Commands& commands);
   void make_room(Knowledge& knowledge, Commands& commands);
   bool rise(Knowledge& k, Commands& commands);
-  void disbelieve(Knowledge& k);
+  void remember(const Vec3& here);
+  bool back_out(Knowledge& k, Commands& commands);
   void no_way(Knowledge& knowledge);
   bool taken(const map::VoxelMap& map, const Vec3& p) const;
   void find_landing(Knowledge& knowledge, const Intent& intent, Commands& commands);
@@ -89,9 +90,11 @@ class Executive {
   SimTime room_again_;
   std::optional<Vec3> landing_at_;  // instead of a landing place that is taken
   int landing_tries_ = 0;
-  bool way_done_ = false;  // the last way found ends here
-  int no_way_ = 0;         // searches in a row that found none
-  int pressed_ = 0;        // ways in a row that led closer to what is too close
+  bool way_done_ = false;     // the last way found ends here
+  int no_way_ = 0;            // searches in a row that found none
+  int pressed_ = 0;           // ways in a row that led closer to what is too close
+  std::vector<Vec3> trail_;   // where it has been, the latest last
+  bool backing_out_ = false;  // what is flown is the way it came
 
   std::uint64_t checked_revision_ = 0;
   SimTime checked_at_;
