@@ -13,6 +13,9 @@ constexpr std::uint16_t kNoReturn = 0, kNoMeasurement = 65535;  // as in bus.idl
 constexpr double kTeammateMarginM = 0.35;
 constexpr double kSkinM = 0.03;  // matter is behind the surface: a face on a voxel boundary belongs
                                  // to the voxel behind it
+// What a level lidar sees free says that what stands on the ground does not reach so high: that is
+// true of the layer above as well, and not of the one below, which the plane may just touch.
+constexpr double kPlaneUpM = 0.05;
 constexpr int kConfirmScans = 3;
 constexpr Duration kConfirmTime{1'500'000};
 constexpr Duration kForget{2'500'000};
@@ -54,7 +57,9 @@ VoxelMap::Integrated OwnMap::integrate(const RangeScan& scan, std::span<const Sp
   const auto voxels = [&](double m) {
     return static_cast<int>(std::ceil(m / config_.resolution_m)) + 1;
   };
-  marks_.begin((scan.sensor.p / config_.resolution_m).array() + 1e-9, voxels(reach_m),
+  Vec3 origin = scan.sensor.p;
+  if (config_.ground && scan.rows == 1) origin.z() += kPlaneUpM;
+  marks_.begin((origin / config_.resolution_m).array() + 1e-9, voxels(reach_m),
                voxels(reach_m * std::sin(steepest)));
 
   const double cy = std::cos(scan.sensor.yaw_rad), sy = std::sin(scan.sensor.yaw_rad);
@@ -67,7 +72,7 @@ VoxelMap::Integrated OwnMap::integrate(const RangeScan& scan, std::span<const Sp
     if (mm != kNoReturn && measured_m > reach_m - kSkinM) continue;
     const Vec3& d = directions[i];
     const double x = cp * d.x() - sp * d.z(), z = sp * d.x() + cp * d.z();
-    trace(scan.sensor.p, {cy * x - sy * d.y(), sy * x + cy * d.y(), z}, scan.range_m, measured_m,
+    trace(origin, {cy * x - sy * d.y(), sy * x + cy * d.y(), z}, scan.range_m, measured_m,
           teammates, result, scan.time);
   }
   result.changed = apply_marks();

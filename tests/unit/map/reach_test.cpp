@@ -135,6 +135,34 @@ TEST_CASE("a ground vehicle drives where its flat lidar sees and the ground does
   CHECK_FALSE(m.traversable(Vec3(0, 0, 1.2)));
 }
 
+TEST_CASE("regress: a flat lidar that looks just over a terrace does not call it free") {
+  // As high as the lidar's plane, and told by somebody who flew over it; then the rover's scans, at
+  // heights that differ by what a ray in single precision leaves of 0.4 m.
+  const toy::World yard{{{{-10, -10, -1}, {10, 10, 0}}, {{1, -3, 0}, {4, 3, 0.36}}}};
+  MapConfig c = small();
+  c.ground = true;
+  toy::Sensor lidar;
+  lidar.columns = 360;
+  lidar.rows = 1;
+  lidar.hfov_rad = 2 * std::numbers::pi;
+  lidar.vfov_rad = 0;
+  lidar.range_m = 8;
+  for (const double z : {0.37, 0.4 - 1e-8, 0.4, 0.4 + 1e-8, 0.43}) {
+    VoxelMap m(c);
+    m.insert_free_ball({0, 0, 0.4}, 1.5);
+    const VoxelKey terrace = m.key({1.5, 0, 0.3});
+    std::vector<Voxel> told(kBlockVoxels, Voxel::kUnknown);
+    told[static_cast<std::size_t>(local_index(terrace))] = Voxel::kOccupied;
+    m.merge(RobotId{9}, said(block_of(terrace), told));
+    for (int i = 0; i < 10; ++i) toy::see(m, yard, {{0, 0, z}, 0.01 * i}, lidar, 0.5 * i);
+    INFO("lidar at " << z);
+    CHECK(m.at(terrace) == Voxel::kOccupied);
+    CHECK(m.at(Vec3(1.5, 0, 0.5)) == Voxel::kFree);
+    CHECK_FALSE(m.traversable(Vec3(1.3, 0, 0.4)));
+    CHECK(m.traversable(Vec3(-1.3, 0, 0.4)));
+  }
+}
+
 TEST_CASE("a body too large for the voxels is refused") {
   MapConfig c = small();
   c.body_radius_m = 2;

@@ -131,11 +131,11 @@ TEST_CASE("a rover keeps its ride height and climbs what it may step on") {
   Mesh mesh = ground();
   add_solid(mesh, {2, -2, 0}, {4, 2, 0.2});
   Flight f(rover(1, {0, 0, 1}), mesh);
-  CHECK(f.vehicle.pose().p.z() == Approx(0.4).margin(1e-5));
+  CHECK(f.vehicle.pose().p.z() == Approx(0.4).margin(1e-12));
   REQUIRE(f.vehicle.command(trajectory({state(0, {0, 0, 0.4}), state(4, {3, 0, 0.4})})));
   f.until(6);
   CHECK(f.vehicle.pose().p.x() == Approx(3).margin(0.02));
-  CHECK(f.vehicle.pose().p.z() == Approx(0.6).margin(1e-5));
+  CHECK(f.vehicle.pose().p.z() == Approx(0.6).margin(1e-12));
 }
 
 TEST_CASE("a rover refuses a step that is too high, and an edge") {
