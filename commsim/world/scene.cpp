@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -14,6 +15,8 @@ namespace muster::world {
 namespace {
 
 constexpr double kEndTolerance_m = 0.01;
+constexpr double kGrazing =
+    1e-3;  // sine of the angle to a surface below which its plane tells no distance
 
 /// One device for the process: one thread and, on amd64, one instruction set, so that every machine
 /// finds the same hits.
@@ -31,6 +34,25 @@ bool before(const Vec3& a, const Vec3& b) {
   return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
 }
 
+std::array<Vec3, 3> corners(const Mesh& mesh, std::size_t triangle) {
+  const Eigen::Vector3i& t = mesh.triangles[triangle];
+  const auto corner = [&](int i) -> Vec3 {
+    return mesh.vertices[static_cast<std::size_t>(t[i])].cast<double>();
+  };
+  return {corner(0), corner(1), corner(2)};
+}
+
+/// Along a ray to the plane of the triangle that it meets. Embree's own answer is off by what a
+/// processor makes of 1/x in single precision, each make in its way, and traces would differ.
+std::optional<double> to_plane(const std::array<Vec3, 3>& triangle, const Vec3& origin,
+                               const Vec3& unit_direction) {
+  const auto& [a, b, c] = triangle;
+  const Vec3 normal = (b - a).cross(c - a);
+  const double steep = normal.dot(unit_direction);
+  if (std::abs(steep) < kGrazing * normal.norm()) return std::nullopt;
+  return normal.dot(a - origin) / steep;
+}
+
 struct NearestQuery {
   const Mesh* mesh;
   Vec3 point;
@@ -39,12 +61,8 @@ struct NearestQuery {
 
 bool shrink_to_nearest(RTCPointQueryFunctionArguments* args) {
   auto* q = static_cast<NearestQuery*>(args->userPtr);
-  const auto& t = q->mesh->triangles[args->primID];
-  const auto corner = [&](int i) -> Vec3 {
-    return q->mesh->vertices[static_cast<std::size_t>(t[i])].cast<double>();
-  };
-  const double d =
-      (closest_on_triangle(q->point, corner(0), corner(1), corner(2)) - q->point).norm();
+  const auto [a, b, c] = corners(*q->mesh, args->primID);
+  const double d = (closest_on_triangle(q->point, a, b, c) - q->point).norm();
   if (d >= q->best_m) return false;
   q->best_m = d;
   args->query->radius = static_cast<float>(d);
@@ -117,7 +135,8 @@ std::optional<Hit> Scene::cast(const Vec3& origin, const Vec3& unit_direction, d
   rtcIntersect1(impl_->scene, &context, &r);
   if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   Hit hit;
-  hit.distance_m = static_cast<double>(r.ray.tfar);
+  const auto exact_m = to_plane(corners(impl_->mesh, r.hit.primID), origin, unit_direction);
+  hit.distance_m = std::clamp(exact_m.value_or(static_cast<double>(r.ray.tfar)), 0.0, max_m);
   hit.normal = Eigen::Vector3f(r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z).cast<double>().normalized();
   hit.from_behind = hit.normal.dot(unit_direction) > 0;
   if (hit.from_behind) hit.normal = -hit.normal;

@@ -65,6 +65,18 @@ TEST_CASE("a ray meets the first surface and is told its normal towards the orig
   CHECK(scene->cast({-5, 0, 1}, {0, 0, -1}, 3)->distance_m == Approx(1));
 }
 
+TEST_CASE("a ray is as long as it is, not as single precision on this processor says") {
+  const Folder folder;
+  const auto scene = Scene::load(folder.write("box.yaml", kBox));
+  for (int i = 0; i < 50; ++i) {
+    const Vec3 from(-4.1 - 0.037 * i, 0.3 + 0.011 * i, 1.1),
+        to(-1, 0.7 - 0.023 * i, 0.35 + 0.019 * i);
+    const auto hit = scene->cast(from, (to - from).normalized(), 20);
+    REQUIRE(hit);
+    CHECK(hit->distance_m == Approx((to - from).norm()).epsilon(0).margin(1e-12));
+  }
+}
+
 TEST_CASE("line of sight ends at surfaces, sees points on them and is symmetric") {
   const Folder folder;
   const auto scene = Scene::load(folder.write("box.yaml", kBox));
