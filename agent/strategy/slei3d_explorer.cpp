@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/core/log.h"
 #include "common/robot/guardian.h"
 #include "common/robot/stopwatch.h"
 #include "common/route/predictor.h"
@@ -14,6 +15,8 @@ namespace {
 constexpr double kVisitEvery_s = 5;  // S0.14: every 5 s
 constexpr double kNegotiateAtMost_s = 25;
 constexpr double kExchangeAtMost_s = 12;  // images still missing then go with the next contact
+// With one that is at a stubborn area: so long without a result, then looking on for a while.
+constexpr double kStay_s = 90, kLookOn_s = 150;
 constexpr double kLeaveMargin_s = 4;
 constexpr double kDetour = 1.4;
 constexpr double kTellEvery_s = 5;
@@ -242,6 +245,7 @@ std::vector<mission::Rung> Slei3dExplorer::next_ladder(robot::Knowledge& k) {
   if (explored()) {
     // Nothing is left to predict by volume: the inspectors' work that is left, and its collection.
     in_s = std::clamp(subgroup_.remaining_s(k) + kCollect_s, kSoonest_s, in_s);
+    if (k.now() < look_on_until_) in_s = std::max(in_s, kExploringApart_s);
   } else if (in.elapsed_s >= 10) {
     // Nearly done may go on for long, and every meeting costs a way there and back. What the first
     // minute promises of the rest is little more than a guess.
@@ -340,6 +344,11 @@ std::optional<robot::Intent> Slei3dExplorer::visit(robot::Knowledge& k,
       const auto next = subgroup_.next_visit(k, exploring);
       visit_.reset();
       if (next && next->mate == mate && !exploring) {
+        if (stayed_in_vain(k)) {
+          log::info("nothing comes of staying with inspector {}: looking on", mate.value);
+          consider_visit_ = look_on_until_ = k.now() + Duration::from_s(kLookOn_s);
+          return std::nullopt;
+        }
         visit_ = next;
         robot::Intent stay;
         stay.activity = mission::Activity::kWaiting;
@@ -347,6 +356,7 @@ std::optional<robot::Intent> Slei3dExplorer::visit(robot::Knowledge& k,
         stay.reason = "staying with inspector " + std::to_string(mate.value);
         return stay;
       }
+      staying_since_.reset();
       consider_visit_ = k.now();
     } else if (contact && visit_contact_since_ &&
                (k.now() - *visit_contact_since_).s() > kExchangeAtMost_s && k.talked(mate))
@@ -388,6 +398,19 @@ std::optional<robot::Intent> Slei3dExplorer::visit(robot::Knowledge& k,
   intent.activity = mission::Activity::kTravelling;
   intent.reason = "to inspector " + std::to_string(visit_->mate.value);
   return intent;
+}
+
+/// For long, without a result, while there is something left to look at.
+bool Slei3dExplorer::stayed_in_vain(const robot::Knowledge& k) {
+  if (!exploration_ || exploration_->done()) return false;
+  const std::size_t left = subgroup_.outstanding(k, exploration_->region());
+  if (!staying_since_ || left != left_when_staying_) {
+    staying_since_ = k.now();
+    left_when_staying_ = left;
+  }
+  if ((k.now() - *staying_since_).s() < kStay_s) return false;
+  staying_since_.reset();
+  return true;
 }
 
 /// Before going home: the inspectors hear that it is over.

@@ -64,6 +64,7 @@ class Slei3dExplorer : public robot::Strategy {
   bool region_done(const robot::Knowledge& k) const;
 
   std::optional<robot::Intent> visit(robot::Knowledge& k, const robot::Progress& progress);
+  bool stayed_in_vain(const robot::Knowledge& k);
   std::optional<robot::Intent> say_farewell(robot::Knowledge& k, const robot::Progress& progress);
 
   std::vector<mission::PlanningTime> planning_;
@@ -89,6 +90,9 @@ class Slei3dExplorer : public robot::Strategy {
   std::optional<Subgroup::Visit> visit_;
   std::optional<SimTime> visit_waiting_since_, visit_contact_since_;
   SimTime consider_visit_;
+  std::optional<SimTime> staying_since_;  // with one that is still at work
+  std::size_t left_when_staying_ = 0;     // areas without a result
+  SimTime look_on_until_;
 };
 
 }  // namespace muster::agent
