@@ -64,6 +64,7 @@ class Slei3dInspector : public robot::Strategy {
     SimTime not_before;  ///< of the next try
   };
   std::map<mission::AreaRef, Effort> efforts_;
+  bool open_when_chosen_ = false;  // nothing stood between the pose and the area
   std::optional<SimTime> looking_since_;
   Vec3 moved_to_ = Vec3::Zero();  // on the way to the current pose
   SimTime moved_at_;

@@ -160,6 +160,43 @@ TEST_CASE(
   CHECK(closed_by(t_s + 590, 2));
 }
 
+TEST_CASE("an area that was sighted often is asked about for long, not for ever") {
+  Life l;
+  l.give({{5, 0, 2}}, 12);
+  int looks = 0;
+  const auto look = [&] {
+    l.time(10 + 20 * ++looks);
+    l.progress = {};
+    l.decide();
+    l.answer(mission::InspectOutcome::kRefusedView);
+    l.decide();
+  };
+  while (looks < 100) look();
+  CHECK(l.self.results().empty());  // more of its region may become known
+  mission::Status health;
+  health.kind = mission::StatusKind::kHealth;
+  health.regions = {{RegionId{0}, mission::RegionState::kExplored}};
+  l.explorer.publish(store::RecordClass::kStatus, robot::kHealthKey, health);
+  robot::pass(l.explorer, l.self, store::RecordClass::kStatus);
+  look();
+  REQUIRE(l.self.results().size() == 1);
+  CHECK_FALSE(l.self.results().begin()->second.inspection.found);
+
+  Life explored;
+  robot::pass(l.explorer, explored.self, store::RecordClass::kStatus);
+  explored.give({{5, 0, 2}}, 12);
+  int asked = 0;
+  for (; asked < 100 && explored.self.results().empty(); ++asked) {
+    explored.time(10 + 20 * asked);
+    explored.progress = {};
+    explored.decide();
+    explored.answer(mission::InspectOutcome::kRefusedView);
+    explored.decide();
+  }
+  CHECK(asked > 30);
+  CHECK(asked < 100);
+}
+
 TEST_CASE("an area is looked at from elsewhere than a look there that named only what is known") {
   Life l;
   l.give({{5, 0, 2}});
