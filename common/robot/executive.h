@@ -88,13 +88,13 @@ class Executive {
   std::optional<SimTime> aside_until_;
   std::map<RobotId, SimTime> standing_since_;  // teammates that want to go and stand
   SimTime room_again_;
+  std::vector<Vec3> trail_;         // where it has been, the latest last
   std::optional<Vec3> landing_at_;  // instead of a landing place that is taken
   int landing_tries_ = 0;
   bool way_done_ = false;     // the last way found ends here
+  bool backing_out_ = false;  // what is flown is the way it came
   int no_way_ = 0;            // searches in a row that found none
   int pressed_ = 0;           // ways in a row that led closer to what is too close
-  std::vector<Vec3> trail_;   // where it has been, the latest last
-  bool backing_out_ = false;  // what is flown is the way it came
 
   std::uint64_t checked_revision_ = 0;
   SimTime checked_at_;
