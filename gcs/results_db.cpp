@@ -119,16 +119,11 @@ void fill_regions(Database& db, const robot::Knowledge& k) {
   }
   for (std::uint32_t i = 0; i < regions.size(); ++i) {
     const auto& [explorer, state] = regions[i];
-    int found = 0, inspected = 0;
-    for (const auto& [ref, known] : k.areas()) {
-      if (known.area.region.value != i) continue;
-      ++found;
-      inspected += k.inspected(ref) ? 1 : 0;
-    }
+    const robot::AreaCount areas = k.areas_in(RegionId{i});
     const std::size_t box = k.map().watch(k.mission().boxes[i]);
     insert(db, "INSERT INTO regions VALUES(?,?,?,?,?,?,?)", i,
            explorer ? std::optional(explorer->value) : std::nullopt, text(state),
-           k.map().known_m3(box), k.map().volume_m3(box), found, inspected);
+           k.map().known_m3(box), k.map().volume_m3(box), areas.found, areas.inspected);
   }
 }
 

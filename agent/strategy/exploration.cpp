@@ -123,10 +123,8 @@ robot::Intent Exploration::fly_to(const Goal& goal) const {
 
 /// How much of an unseen surface a look must promise: the less, the more is found here per area.
 double Exploration::worth_looking_m2(const robot::Knowledge& k) const {
-  const auto areas = std::ranges::count_if(
-      k.areas(), [&](const auto& a) { return a.second.area.region == region_; });
   const double per_m2 =
-      (kAreasBefore + static_cast<double>(areas)) / (kSurfaceBefore_m2 + targets_.surface_m2());
+      (kAreasBefore + k.areas_in(region_).found) / (kSurfaceBefore_m2 + targets_.surface_m2());
   return std::clamp(kFindsPerLook / per_m2, kThorough_m2, kCursory_m2);
 }
 

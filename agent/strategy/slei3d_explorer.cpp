@@ -231,11 +231,9 @@ std::vector<mission::Rung> Slei3dExplorer::next_ladder(robot::Knowledge& k) {
   in.volume_m3 = exploration_->volume_m3(k);
   in.explored_m3 = exploration_->known_m3(k);
   in.elapsed_s = (k.now() - exploration_->since()).s();
-  for (const auto& [ref, known] : k.areas()) {
-    if (known.area.region != region) continue;
-    ++in.features_found;
-    in.results_received += k.inspected(ref) ? 1 : 0;
-  }
+  const robot::AreaCount areas = k.areas_in(region);
+  in.features_found = areas.found;
+  in.results_received = areas.inspected;
   double in_s = route::predict_remaining_s(in);
   if (in.elapsed_s < 10) {  // only just assigned: the way there, then the first slice
     in_s = nav::travel_time_s(kDetour * k.mission().boxes[region.value].distance(k.position()),
@@ -291,11 +289,9 @@ void Slei3dExplorer::tell_progress(robot::Knowledge& k) {
             : !region_done(k) ? mission::RegionState::kExplored
             : thorough_       ? mission::RegionState::kDone
                               : mission::RegionState::kSurveyed;
-  for (const auto& [ref, known] : k.areas()) {
-    if (known.area.region != p.region) continue;
-    ++p.areas_found;
-    p.areas_inspected += k.inspected(ref) ? 1 : 0;
-  }
+  const robot::AreaCount areas = k.areas_in(p.region);
+  p.areas_found = areas.found;
+  p.areas_inspected = areas.inspected;
   const bool news = told_.regions.empty() || told_.regions[0].region != p.region ||
                     told_.regions[0].state != p.state;
   if (news || k.looks().size() >= told_looks_ + kLooksTold) tell_looks(k);

@@ -178,9 +178,7 @@ bool Subgroup::all_informed() const {
 std::size_t Subgroup::outstanding(const robot::Knowledge& k, RegionId region) const {
   std::size_t n = 0;
   for (const auto& [ref, known] : k.areas()) {
-    if (!mine(k, ref, region)) continue;
-    const auto result = k.results().find(ref);
-    n += result == k.results().end() || !result->second.complete() ? 1 : 0;
+    n += mine(k, ref, region) && !k.result_complete(ref) ? 1 : 0;
   }
   return n;
 }

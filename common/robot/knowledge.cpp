@@ -263,6 +263,21 @@ void Knowledge::ingest_status(const store::Record& record) {
   }
 }
 
+bool Knowledge::result_complete(const mission::AreaRef& area) const {
+  const auto it = results_.find(area);
+  return it != results_.end() && it->second.complete();
+}
+
+AreaCount Knowledge::areas_in(RegionId region) const {
+  AreaCount count;
+  for (const auto& [ref, known] : areas_) {
+    if (known.area.region != region) continue;
+    ++count.found;
+    count.inspected += inspected(ref) ? 1 : 0;
+  }
+  return count;
+}
+
 const Stated<mission::Plan>* Knowledge::plan(RobotId author, mission::PlanKind kind) const {
   const auto it = plans_.find({author, kind});
   return it == plans_.end() ? nullptr : &it->second;

@@ -36,6 +36,12 @@ struct ResultKnown {
   bool complete() const { return parts_held >= inspection.parts; }
 };
 
+/// Areas, as far as this robot knows.
+struct AreaCount {
+  std::uint32_t found = 0;
+  std::uint32_t inspected = 0;  ///< of these: a result is known, whole or not
+};
+
 /// One look of this robot's feature detector, also when it saw nothing.
 struct Look {
   RegionId explored;  ///< on whose behalf; kNoRegion: nobody's, and nobody took what it sighted
@@ -105,6 +111,9 @@ class Knowledge {
   const std::map<mission::AreaRef, AreaKnown>& areas() const { return areas_; }
   const std::map<mission::AreaRef, ResultKnown>& results() const { return results_; }
   bool inspected(const mission::AreaRef& area) const { return results_.contains(area); }
+  /// Its result is here, image and all.
+  bool result_complete(const mission::AreaRef& area) const;
+  AreaCount areas_in(RegionId region) const;
   const Stated<mission::Plan>* plan(RobotId author, mission::PlanKind kind) const;
   const Stated<mission::Meeting>* meeting(RobotId author, RobotId about,
                                           mission::MeetingKind kind) const;

@@ -11,6 +11,13 @@ namespace {
 
 using State = mission::RegionState;
 
+/// Every area known here has its result here, image and all.
+bool results_complete(const robot::Knowledge& k, RegionId region) {
+  return std::ranges::all_of(k.areas(), [&](const auto& a) {
+    return a.second.area.region != region || k.result_complete(a.first);
+  });
+}
+
 }  // namespace
 
 Regions::Regions(const mission::Mission& mission) : regions_(mission.boxes.size()) {
@@ -119,14 +126,6 @@ bool Regions::resume(robot::Knowledge& k) {
   return true;
 }
 
-bool Regions::results_complete(const robot::Knowledge& k, RegionId region) {
-  return std::all_of(k.areas().begin(), k.areas().end(), [&](const auto& a) {
-    if (a.second.area.region != region) return true;
-    const auto result = k.results().find(a.first);
-    return result != k.results().end() && result->second.complete();
-  });
-}
-
 bool Regions::report(robot::Knowledge& k, RobotId explorer) {
   Group& group = groups_.at(explorer);
   if (group.lost) {
@@ -164,9 +163,12 @@ bool Regions::report(robot::Knowledge& k, RobotId explorer) {
 /// An area that was told of late: somebody has to inspect it.
 bool Regions::reopen(const robot::Knowledge& k) {
   bool any = false;
-  for (std::uint32_t i = 0; i < regions_.size(); ++i) {
-    if (regions_[i].state != State::kDone || results_complete(k, RegionId{i})) continue;
-    regions_[i].state = State::kSurveyed;
+  for (const auto& [ref, known] : k.areas()) {
+    const RegionId region = known.area.region;
+    if (region.value >= regions_.size() || k.result_complete(ref)) continue;
+    State& state = regions_[region.value].state;
+    if (state != State::kDone) continue;
+    state = State::kSurveyed;
     any = true;
   }
   return any;

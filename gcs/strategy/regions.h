@@ -47,8 +47,6 @@ class Regions {
 
   const std::map<RobotId, Group>& groups() const { return groups_; }
   bool all_done() const;
-  /// Every area known here has its result here, image and all.
-  static bool results_complete(const robot::Knowledge& k, RegionId region);
   mission::RegionState state(RegionId region) const { return regions_[region.value].state; }
 
  private:

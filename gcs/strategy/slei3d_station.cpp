@@ -155,10 +155,8 @@ Vec3 Slei3dStation::parking_for(robot::Knowledge& k, const Vec3& place) {
 }
 
 void Slei3dStation::declare(robot::Knowledge& k) {
-  for (const auto& [ref, known] : k.areas()) {
-    const auto result = k.results().find(ref);
-    if (result == k.results().end() || !result->second.complete()) return;
-  }
+  if (!std::ranges::all_of(k.areas(), [&](const auto& a) { return k.result_complete(a.first); }))
+    return;
   declared_ = true;
   mission::Status status;
   status.kind = mission::StatusKind::kComplete;
