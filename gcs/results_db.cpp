@@ -101,9 +101,9 @@ void fill_regions(Database& db, const robot::Knowledge& k) {
     for (const mission::Allocation& a : plan->body.allocations) {
       if (a.region.value >= regions.size()) continue;
       Region& region = regions[a.region.value];
-      if (a.robot == kNoRobot && a.leader == kNoRobot)
+      if (robot::says_done(a))
         region.state = mission::RegionState::kDone;
-      else if (a.robot == kNoRobot)
+      else if (robot::says_surveyed(a))
         region = {a.leader, mission::RegionState::kSurveyed};
     }
   }

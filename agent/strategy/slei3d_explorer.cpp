@@ -56,7 +56,7 @@ Slei3dExplorer::Orders Slei3dExplorer::orders(const robot::Knowledge& k) const {
     if (a.robot == k.self()) o.known = true, o.region = a.region;
   }
   for (const mission::Allocation& a : assignment->body.allocations)
-    o.thorough |= a.robot == kNoRobot && a.leader != kNoRobot && a.region == o.region;
+    o.thorough |= robot::says_surveyed(a) && a.region == o.region;
   return o;
 }
 

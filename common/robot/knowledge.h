@@ -198,6 +198,15 @@ std::uint64_t lost_key(RobotId robot);
 inline constexpr std::uint64_t kHealthKey = 0;
 inline constexpr std::uint64_t kCompleteKey = 1;
 
+// Lines of the station's assignment that name no robot are about their region.
+inline bool says_done(const mission::Allocation& line) {
+  return line.robot == kNoRobot && line.leader == kNoRobot;
+}
+/// By `line.leader`; the thorough round is to follow, or under way.
+inline bool says_surveyed(const mission::Allocation& line) {
+  return line.robot == kNoRobot && line.leader != kNoRobot;
+}
+
 map::MapConfig map_config(const mission::Mission& mission, RobotId self);
 nav::Limits limits_of(const mission::Vehicle& vehicle);
 

@@ -102,13 +102,12 @@ bool Regions::resume(robot::Knowledge& k) {
     if (a.region != kNoRegion && a.region.value >= regions_.size()) continue;
     if (explorer != kNoRobot && !groups_.contains(explorer)) continue;
     if (a.robot == kNoRobot && a.region == kNoRegion) continue;
-    if (a.robot == kNoRobot) {
+    if (robot::says_done(a)) {
+      regions_[a.region.value] = {State::kDone, kNoRobot};
+    } else if (robot::says_surveyed(a)) {
       Region& region = regions_[a.region.value];
       region.surveyor = a.leader;
-      if (a.leader == kNoRobot)
-        region.state = State::kDone;
-      else if (region.state == State::kPending)
-        region.state = State::kSurveyed;
+      if (region.state == State::kPending) region.state = State::kSurveyed;
     } else if (a.leader != kNoRobot) {
       groups_.at(a.leader).inspectors.push_back(a.robot);
       std::erase(orphans_, a.robot);
