@@ -52,14 +52,15 @@ class Exploration {
   void take_told_looks(const robot::Knowledge& knowledge);
   void count_look(const robot::Knowledge& knowledge, const Pose& sensor, double pitch_rad);
   ViewPrice price() const;
-  double worth_looking_m2(const robot::Knowledge& k) const;
-  bool worth_keeping(const robot::Knowledge& k, const robot::Progress& progress);
+  double worth_looking_m2(const robot::Knowledge& knowledge) const;
+  bool worth_keeping(const robot::Knowledge& knowledge, const robot::Progress& progress);
   bool used_up() const;
-  void refresh(robot::Knowledge& k, bool thorough, std::vector<mission::PlanningTime>& planning);
-  Goal cluster_goal(robot::Knowledge& k, const map::Viewpoint& v);
-  std::vector<Goal> candidates(robot::Knowledge& k);
-  std::optional<Goal> leftover(robot::Knowledge& k, double budget_s, const Vec3& meeting);
-  bool choose(robot::Knowledge& k, double budget_s, const Vec3& meeting,
+  void refresh(robot::Knowledge& knowledge, bool thorough,
+               std::vector<mission::PlanningTime>& planning);
+  Goal cluster_goal(robot::Knowledge& knowledge, const map::Viewpoint& v);
+  std::vector<Goal> candidates(robot::Knowledge& knowledge);
+  std::optional<Goal> leftover(robot::Knowledge& knowledge, double budget_s, const Vec3& meeting);
+  bool choose(robot::Knowledge& knowledge, double budget_s, const Vec3& meeting,
               std::vector<mission::PlanningTime>& planning);
   bool barred(const Pose& pose, SimTime now) const;
   robot::Intent fly_to(const Goal& goal) const;

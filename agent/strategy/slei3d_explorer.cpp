@@ -94,8 +94,7 @@ robot::Intent Slei3dExplorer::decide(robot::Knowledge& k, const robot::Progress&
   if (!released_) fitter_.review(k, explored());  // of what is said later nobody takes care
   subgroup_.update(k, region);
   if (exploration_ || released_)
-    subgroup_.allocate(k, k.declared_complete() ? kNoRegion : region, exploration_ && !explored(),
-                       planning_);
+    subgroup_.allocate(k, k.declared_complete() ? kNoRegion : region, exploring(), planning_);
   if (agreement_.update(k)) agreed_here_ = true;
   tell_progress(k);
 
@@ -334,12 +333,11 @@ std::optional<robot::Intent> Slei3dExplorer::visit(robot::Knowledge& k,
     const double apart_m =
         contact ? (k.teammates().at(mate).beacon.pose.p - k.position()).norm() : 1e9;
     if (contact && !visit_contact_since_) visit_contact_since_ = k.now();
-    const bool exploring = exploration_ && !explored();
     if (contact && subgroup_.settled(k, mate)) {
       // After exploring, one that is still at work is stayed with while there is nobody else.
-      const auto next = subgroup_.next_visit(k, exploring);
+      const auto next = subgroup_.next_visit(k, exploring());
       visit_.reset();
-      if (next && next->mate == mate && !exploring) {
+      if (next && next->mate == mate && !exploring()) {
         if (stayed_in_vain(k)) {
           log::info("nothing comes of staying with inspector {}: looking on", mate.value);
           consider_visit_ = look_on_until_ = k.now() + Duration::from_s(kLookOn_s);
@@ -377,9 +375,8 @@ std::optional<robot::Intent> Slei3dExplorer::visit(robot::Knowledge& k,
   }
   if (!visit_) {
     if (k.now() < consider_visit_) return std::nullopt;
-    const bool exploring = exploration_ && !explored();
-    visit_ = subgroup_.next_visit(k, exploring);
-    consider_visit_ = k.now() + Duration::from_s(exploring ? kVisitEvery_s : 1.0);
+    visit_ = subgroup_.next_visit(k, exploring());
+    consider_visit_ = k.now() + Duration::from_s(exploring() ? kVisitEvery_s : 1.0);
     visit_waiting_since_.reset();
     visit_contact_since_.reset();
     if (!visit_) return std::nullopt;

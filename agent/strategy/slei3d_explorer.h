@@ -46,26 +46,30 @@ class Slei3dExplorer : public robot::Strategy {
     RegionId region = kNoRegion;
     bool thorough = false;  ///< all regions have been surveyed: the rest of this one
   };
-  Orders orders(const robot::Knowledge& k) const;
-  void follow(robot::Knowledge& k, const Orders& orders);
+  Orders orders(const robot::Knowledge& knowledge) const;
+  void follow(robot::Knowledge& knowledge, const Orders& orders);
 
-  std::optional<robot::Intent> meet_station(robot::Knowledge& k, const robot::Progress& progress);
-  robot::Intent await_orders(const robot::Knowledge& k) const;
-  robot::Intent go_to(const robot::Knowledge& k, const mission::Rung& rung) const;
-  double unheard_s(const robot::Knowledge& k) const;
-  robot::Intent negotiate(robot::Knowledge& k);
-  bool time_to_leave(robot::Knowledge& k, const mission::Rung& rung);
-  std::vector<mission::Rung> next_ladder(robot::Knowledge& k);
-  Vec3 meeting_corner(robot::Knowledge& k, double in_s);
-  void tell_progress(robot::Knowledge& k);
-  void tell_looks(robot::Knowledge& k);
+  std::optional<robot::Intent> meet_station(robot::Knowledge& knowledge,
+                                            const robot::Progress& progress);
+  robot::Intent await_orders(const robot::Knowledge& knowledge) const;
+  robot::Intent go_to(const robot::Knowledge& knowledge, const mission::Rung& rung) const;
+  double unheard_s(const robot::Knowledge& knowledge) const;
+  robot::Intent negotiate(robot::Knowledge& knowledge);
+  bool time_to_leave(robot::Knowledge& knowledge, const mission::Rung& rung);
+  std::vector<mission::Rung> next_ladder(robot::Knowledge& knowledge);
+  Vec3 meeting_corner(robot::Knowledge& knowledge, double in_s);
+  void tell_progress(robot::Knowledge& knowledge);
+  void tell_looks(robot::Knowledge& knowledge);
   /// As far as was asked for.
   bool explored() const;
-  bool region_done(const robot::Knowledge& k) const;
+  /// Has a region, of which not all is explored.
+  bool exploring() const { return exploration_ && !explored(); }
+  bool region_done(const robot::Knowledge& knowledge) const;
 
-  std::optional<robot::Intent> visit(robot::Knowledge& k, const robot::Progress& progress);
-  bool stayed_in_vain(const robot::Knowledge& k);
-  std::optional<robot::Intent> say_farewell(robot::Knowledge& k, const robot::Progress& progress);
+  std::optional<robot::Intent> visit(robot::Knowledge& knowledge, const robot::Progress& progress);
+  bool stayed_in_vain(const robot::Knowledge& knowledge);
+  std::optional<robot::Intent> say_farewell(robot::Knowledge& knowledge,
+                                            const robot::Progress& progress);
 
   std::vector<mission::PlanningTime> planning_;
   RobotId station_;

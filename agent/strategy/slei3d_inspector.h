@@ -32,23 +32,24 @@ class Slei3dInspector : public robot::Strategy {
     bool released = false;
     std::vector<mission::AreaRef> areas;  // in order, not inspected yet as far as known
   };
-  Orders orders(const robot::Knowledge& k) const;
-  robot::Intent inspect(robot::Knowledge& k, const Orders& orders, const robot::Progress& progress);
-  robot::Intent wait(robot::Knowledge& k, const Orders& orders);
-  bool choose_pose(robot::Knowledge& k, const mission::AreaRef& ref);
-  void next_area(robot::Knowledge& k, std::vector<mission::AreaRef> areas);
-  void give_up_pose(robot::Knowledge& k, bool refused);
-  void postpone(robot::Knowledge& k, const mission::AreaRef& ref);
-  static std::vector<VainLook> looks_of_others(const robot::Knowledge& k,
+  Orders orders(const robot::Knowledge& knowledge) const;
+  robot::Intent inspect(robot::Knowledge& knowledge, const Orders& orders,
+                        const robot::Progress& progress);
+  robot::Intent wait(robot::Knowledge& knowledge, const Orders& orders);
+  bool choose_pose(robot::Knowledge& knowledge, const mission::AreaRef& ref);
+  void next_area(robot::Knowledge& knowledge, std::vector<mission::AreaRef> areas);
+  void give_up_pose(robot::Knowledge& knowledge, bool refused);
+  void postpone(robot::Knowledge& knowledge, const mission::AreaRef& ref);
+  static std::vector<VainLook> looks_of_others(const robot::Knowledge& knowledge,
                                                const mission::AreaRef& ref);
-  static bool sure(const robot::Knowledge& k, const mission::AreaRef& ref);
-  static bool given_up_before(const robot::Knowledge& k, const mission::AreaRef& ref);
-  bool may_be_stray(const robot::Knowledge& k, const mission::AreaRef& ref);
-  static bool explored(const robot::Knowledge& k, const mission::AreaRef& ref);
-  void report_nothing(robot::Knowledge& k, const mission::AreaRef& ref);
-  void report(robot::Knowledge& k, const mission::Inspected& inspected);
-  void publish_route(robot::Knowledge& k, const Orders& orders);
-  Vec3 route_end(robot::Knowledge& k, const Orders& orders) const;
+  static bool sure(const robot::Knowledge& knowledge, const mission::AreaRef& ref);
+  static bool given_up_before(const robot::Knowledge& knowledge, const mission::AreaRef& ref);
+  bool may_be_stray(const robot::Knowledge& knowledge, const mission::AreaRef& ref);
+  static bool explored(const robot::Knowledge& knowledge, const mission::AreaRef& ref);
+  void report_nothing(robot::Knowledge& knowledge, const mission::AreaRef& ref);
+  void report(robot::Knowledge& knowledge, const mission::Inspected& inspected);
+  void publish_route(robot::Knowledge& knowledge, const Orders& orders);
+  Vec3 route_end(robot::Knowledge& knowledge, const Orders& orders) const;
 
   std::vector<mission::PlanningTime> planning_;
   std::optional<mission::AreaRef> current_;

@@ -32,42 +32,42 @@ class Subgroup {
 
   /// Once per tick: who belongs to me by the station's newest assignment, who was heard, which
   /// areas are not given to anybody.
-  void update(robot::Knowledge& k, RegionId region);
+  void update(robot::Knowledge& knowledge, RegionId region);
 
   /// Shares the areas not given yet among the inspectors, and gives those in contact theirs.
   /// Publishes the allocation record when it changed. `region`: where the group works; kNoRegion:
   /// it is released.
-  void allocate(robot::Knowledge& k, RegionId region, bool exploring,
+  void allocate(robot::Knowledge& knowledge, RegionId region, bool exploring,
                 std::vector<mission::PlanningTime>& planning);
 
   /// Whom to visit now; nullopt: nobody. While exploring only who would stand idle, and only when
   /// the work to hand over outweighs the way there and back (12); after it whoever holds results or
   /// has not heard the newest allocation, as soon as it is through with its work; and when nobody
   /// is left to go to, but work is, those who are lost, wherever they may wait.
-  std::optional<Visit> next_visit(const robot::Knowledge& k, bool exploring) const;
+  std::optional<Visit> next_visit(const robot::Knowledge& knowledge, bool exploring) const;
   /// Where `mate` is expected at `t`.
-  Vec3 expected_place(const robot::Knowledge& k, RobotId mate, SimTime t) const;
-  SimTime free_at(const robot::Knowledge& k, RobotId mate) const;
+  Vec3 expected_place(const robot::Knowledge& knowledge, RobotId mate, SimTime t) const;
+  SimTime free_at(const robot::Knowledge& knowledge, RobotId mate) const;
   /// It was not where it was expected, for the tolerance; or there was no way to there.
-  void missed(robot::Knowledge& k, RobotId mate, bool arrived);
+  void missed(robot::Knowledge& knowledge, RobotId mate, bool arrived);
   /// Until all areas known so far are inspected and their results collected, about.
-  double remaining_s(const robot::Knowledge& k) const;
+  double remaining_s(const robot::Knowledge& knowledge) const;
 
   /// In contact, has heard the newest allocation, and everything it had is here.
-  bool settled(const robot::Knowledge& k, RobotId mate) const;
+  bool settled(const robot::Knowledge& knowledge, RobotId mate) const;
   /// Every mate that is not lost has heard what concerns it.
   bool all_informed() const;
   std::size_t open_areas() const { return open_.size(); }
   /// Areas of the region whose results are not all here (given or not).
-  std::size_t outstanding(const robot::Knowledge& k, RegionId region) const;
+  std::size_t outstanding(const robot::Knowledge& knowledge, RegionId region) const;
   const std::map<RobotId, Mate>& mates() const { return mates_; }
 
  private:
-  std::optional<Visit> search_for_lost(const robot::Knowledge& k) const;
+  std::optional<Visit> search_for_lost(const robot::Knowledge& knowledge) const;
   /// Nothing of what I allocated concerns it that it has not heard.
   bool informed(RobotId mate) const;
-  bool mine(const robot::Knowledge& k, const mission::AreaRef& ref, RegionId region) const;
-  void publish(robot::Knowledge& k, RegionId region);
+  bool mine(const robot::Knowledge& knowledge, const mission::AreaRef& ref, RegionId region) const;
+  void publish(robot::Knowledge& knowledge, RegionId region);
 
   std::map<RobotId, Mate> mates_;
   std::map<mission::AreaRef, RobotId> given_;

@@ -49,8 +49,9 @@ class Vantages {
 
   /// The best views (best first, at most `count`, apart from each other) that a short flight
   /// reaches. `spent`: poses that did not show what they promised.
-  std::vector<View> best(robot::Knowledge& k, const map::Targets& targets, const ViewPrice& price,
-                         std::size_t count, const std::function<bool(const Pose&)>& spent);
+  std::vector<View> best(robot::Knowledge& knowledge, const map::Targets& targets,
+                         const ViewPrice& price, std::size_t count,
+                         const std::function<bool(const Pose&)>& spent);
 
  private:
   struct Place {

@@ -366,7 +366,7 @@ void Executive::plan(Knowledge& k, const Intent& intent, Commands& commands) {
     fly(k, *found.path, intent, commands);
     return;
   }
-  if (resting(k.now()) && rise(k, commands)) return;
+  if (rise(k, commands)) return;
   no_way(k);
   // Parked teammates may be all that is in the way.
   RobotId by = kNoRobot;
@@ -389,7 +389,7 @@ void Executive::plan_transit(Knowledge& k, const Intent& intent, Commands& comma
       k.position(), intent.goal.p, std::clamp(intent.tolerance_m, 0.3, 1.5), avoid, parked(now));
   partial_ = false;
   if (!way.path) {
-    if (resting(now) && rise(k, commands)) return;
+    if (rise(k, commands)) return;
     if (avoid_.empty()) blocked(now, way.reason);
     avoid_.clear();
     no_way(k);
@@ -446,10 +446,8 @@ bool Executive::fly(Knowledge& k, const nav::Path& whole, const Intent& intent,
       unsafe =
           nav::check(t, k.now(), k.map(), radius_m_, movers_, bodies_.spheres(), kPlanMargin_m);
       if (!unsafe) {
-        blocked_since_.reset();
         pressed_ = 0;
-        command(k, std::move(t), commands);
-        progress_.state = Progress::State::kMoving;
+        set_out(k, std::move(t), commands);
         return true;
       }
       if (unsafe->with != "map") break;
@@ -467,11 +465,11 @@ bool Executive::fly(Knowledge& k, const nav::Path& whole, const Intent& intent,
   return false;
 }
 
-/// Close to something, as after coming down without a process, the way out may lead past it, and
-/// nearer. A body that came down can go up again.
+/// Who rests close to something, as after coming down without a process, has a way out that may
+/// lead past it, and nearer. A body that came down can go up again.
 bool Executive::rise(Knowledge& k, Commands& commands) {
   const Vec3 here = k.position();
-  if (k.config().vehicle.ground || k.map().traversable(here)) return false;
+  if (!resting(k.now()) || k.config().vehicle.ground || k.map().traversable(here)) return false;
   const double edge_m = k.map().config().resolution_m;
   for (int up = 1; up * edge_m <= kRise_m; ++up) {
     const Vec3 above = here + up * edge_m * Vec3::UnitZ();
@@ -479,12 +477,17 @@ bool Executive::rise(Knowledge& k, Commands& commands) {
     nav::Trajectory t = nav::time_path({{here, above}}, {state(k), std::nullopt, 0.5}, limits_);
     if (nav::check(t, k.now(), k.map(), radius_m_, movers_, bodies_.spheres(), kPlanMargin_m))
       return false;
-    blocked_since_.reset();
-    command(k, std::move(t), commands);
-    progress_.state = Progress::State::kMoving;
+    set_out(k, std::move(t), commands);
     return true;
   }
   return false;
+}
+
+/// On its way, and blocked no longer.
+void Executive::set_out(Knowledge& k, nav::Trajectory trajectory, Commands& commands) {
+  blocked_since_.reset();
+  command(k, std::move(trajectory), commands);
+  progress_.state = Progress::State::kMoving;
 }
 
 /// A robot came to where it is, so the way it came is free, whatever the map has learned since:
@@ -502,10 +505,8 @@ bool Executive::back_out(Knowledge& k, Commands& commands) {
   if (nav::check_others(t, k.now(), radius_m_, movers_, bodies_.spheres(), kPlanMargin_m))
     return false;
   pressed_ = 0;
-  blocked_since_.reset();
-  command(k, std::move(t), commands);
+  set_out(k, std::move(t), commands);
   backing_out_ = true;
-  progress_.state = Progress::State::kMoving;
   return true;
 }
 

@@ -51,9 +51,9 @@ class Executive {
   void note_standing(SimTime now, const Teammate& mate);
   void dodge(Knowledge& knowledge, Commands& commands);
   void make_room(Knowledge& knowledge, Commands& commands);
-  bool rise(Knowledge& k, Commands& commands);
+  bool rise(Knowledge& knowledge, Commands& commands);
   void remember(const Vec3& here);
-  bool back_out(Knowledge& k, Commands& commands);
+  bool back_out(Knowledge& knowledge, Commands& commands);
   void no_way(Knowledge& knowledge);
   bool taken(const map::VoxelMap& map, const Vec3& p) const;
   void find_landing(Knowledge& knowledge, const Intent& intent, Commands& commands);
@@ -64,6 +64,7 @@ class Executive {
   void step_aside(Knowledge& knowledge, Commands& commands);
   bool fly(Knowledge& knowledge, const nav::Path& whole, const Intent& intent, Commands& commands);
   std::vector<map::Sphere> parked(SimTime now) const;
+  void set_out(Knowledge& knowledge, nav::Trajectory trajectory, Commands& commands);
   void turn(Knowledge& knowledge, double yaw_rad, Commands& commands);
   void brake(Knowledge& knowledge, Commands& commands);
   void command(Knowledge& knowledge, nav::Trajectory trajectory, Commands& commands);

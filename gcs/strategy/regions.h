@@ -34,30 +34,30 @@ class Regions {
   /// At the start: everybody gets something. A station that starts again and kept nothing leaves
   /// everybody with what they say they work on, as far as it has heard. Publishes the assignment
   /// record.
-  void assign_all(robot::Knowledge& k);
+  void assign_all(robot::Knowledge& knowledge);
   /// After a restart: takes up the assignment that an earlier start had published. False when there
   /// is none.
-  bool resume(robot::Knowledge& k);
+  bool resume(robot::Knowledge& knowledge);
   /// `explorer` is here and says how far it is. Gives it the next region when its own is done, and
   /// inspectors of the largest group when it has none. True when the assignment changed.
-  bool report(robot::Knowledge& k, RobotId explorer);
+  bool report(robot::Knowledge& knowledge, RobotId explorer);
   /// `explorer` was not seen at its standing rung: its box is pending again, its inspectors go to
   /// whoever comes next (S0.16); to itself, should it come after all.
-  void lost(robot::Knowledge& k, RobotId explorer);
+  void lost(robot::Knowledge& knowledge, RobotId explorer);
 
   const std::map<RobotId, Group>& groups() const { return groups_; }
   bool all_done() const;
   mission::RegionState state(RegionId region) const { return regions_[region.value].state; }
 
  private:
-  void leave_at_work(const robot::Knowledge& k);
-  bool reopen(const robot::Knowledge& k);
-  void give(Group& group, const Vec3& from, const robot::Knowledge& k);
-  void back(robot::Knowledge& k, Group& group);
-  bool reinforce(const robot::Knowledge& k, Group& group);
+  void leave_at_work(const robot::Knowledge& knowledge);
+  bool reopen(const robot::Knowledge& knowledge);
+  void give(Group& group, const Vec3& from, const robot::Knowledge& knowledge);
+  void back(robot::Knowledge& knowledge, Group& group);
+  bool reinforce(const robot::Knowledge& knowledge, Group& group);
   std::optional<RegionId> next_for(RobotId explorer, const Vec3& from,
-                                   const robot::Knowledge& k) const;
-  void publish(robot::Knowledge& k) const;
+                                   const robot::Knowledge& knowledge) const;
+  void publish(robot::Knowledge& knowledge) const;
 
   struct Region {
     mission::RegionState state = mission::RegionState::kPending;

@@ -25,12 +25,12 @@ class Slei3dStation : public robot::Strategy {
   }
 
  private:
-  bool begin(robot::Knowledge& k);
-  void meet(robot::Knowledge& k);
-  void count_missed(robot::Knowledge& k);
-  std::optional<RobotId> next_partner(robot::Knowledge& k);
-  Vec3 parking_for(robot::Knowledge& k, const Vec3& place);
-  void declare(robot::Knowledge& k);
+  bool begin(robot::Knowledge& knowledge);
+  void meet(robot::Knowledge& knowledge);
+  void count_missed(robot::Knowledge& knowledge);
+  std::optional<RobotId> next_partner(robot::Knowledge& knowledge);
+  Vec3 parking_for(robot::Knowledge& knowledge, const Vec3& place);
+  void declare(robot::Knowledge& knowledge);
 
   std::vector<mission::PlanningTime> planning_;
   Regions regions_;
