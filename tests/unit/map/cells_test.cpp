@@ -156,6 +156,18 @@ void look_often(RegionCells& cells, VoxelKey k, FaceSet faces, const Vec3& eye) 
 constexpr FaceSet kTop = 16, kBottom = 32, kSouth = 8;
 const Box kBox = Box::from_corners({-3, -3, 0.5}, {3, 3, 3.5});
 
+/// A wall from y = 0 on, and a roof that reaches out over it.
+struct Overhang {
+  VoxelMap m{toy::config()};
+  RegionCells cells{m, kBox, 2, 2.5};
+  const VoxelKey under = m.key({0.1, 0.1, 1.9});  ///< of the wall, next to the roof
+
+  Overhang() {
+    make_known(m, [](const Vec3& p) { return p.y() > 0 || (p.y() > -1 && p.z() > 2); });
+    cells.update();
+  }
+};
+
 }  // namespace
 
 TEST_CASE(
@@ -195,13 +207,8 @@ TEST_CASE("the looks at the upper side of a thin roof say nothing of its undersi
   CHECK(cells.owed_faces(below) == kBottom);
 }
 
-TEST_CASE("the side below an overhang is owed looks from several sectors") {
-  // A wall from y = 0 on, and a roof that reaches out over it.
-  VoxelMap m(toy::config());
-  make_known(m, [](const Vec3& p) { return p.y() > 0 || (p.y() > -1 && p.z() > 2); });
-  RegionCells cells(m, kBox, 2, 2.5);
-  cells.update();
-  const VoxelKey under = m.key({0.1, 0.1, 1.9}), open = m.key({0.1, 0.1, 1.1});
+TEST_CASE_METHOD(Overhang, "the side below an overhang is owed looks from several sectors") {
+  const VoxelKey open = m.key({0.1, 0.1, 1.1});
   const Vec3 p = m.center(under);
   for (const VoxelKey& k : {under, open}) look_often(cells, k, kSouth, p + Vec3(-0.5, -2, -0.5));
   CHECK(cells.promise(open) == 0);
@@ -216,12 +223,9 @@ TEST_CASE("the side below an overhang is owed looks from several sectors") {
   CHECK(cells.promise(under) == 0);
 }
 
-TEST_CASE("a look at the side below an overhang counts when it shows the corner between them") {
-  VoxelMap m(toy::config());
-  make_known(m, [](const Vec3& p) { return p.y() > 0 || (p.y() > -1 && p.z() > 2); });
-  RegionCells cells(m, kBox, 2, 2.5);
-  cells.update();
-  const VoxelKey under = m.key({0.1, 0.1, 1.9}), open = m.key({0.1, 0.1, 1.3});
+TEST_CASE_METHOD(
+    Overhang, "a look at the side below an overhang counts when it shows the corner between them") {
+  const VoxelKey open = m.key({0.1, 0.1, 1.3});
   CHECK(cells.overhung(under, 3));
   CHECK_FALSE(cells.overhung(open, 3));
   // From just above the overhang's underside its edge hides the corner.
@@ -233,12 +237,9 @@ TEST_CASE("a look at the side below an overhang counts when it shows the corner 
   CHECK(cells.promise_from(under, m.center(under) + Vec3(0, -2, -0.5)) == cells.promise(under));
 }
 
-TEST_CASE("nooks promise nothing when they are not asked for, and what they did when they are") {
-  VoxelMap m(toy::config());
-  make_known(m, [](const Vec3& p) { return p.y() > 0 || (p.y() > -1 && p.z() > 2); });
-  RegionCells cells(m, kBox, 2, 2.5);
-  cells.update();
-  const VoxelKey under = m.key({0.1, 0.1, 1.9});
+TEST_CASE_METHOD(
+    Overhang,
+    "nooks promise nothing when they are not asked for, and what they did when they are") {
   cells.ask_for_nooks(false);
   CHECK(cells.promise(under) == 1);  // nobody has looked at it
   look_often(cells, under, kSouth, m.center(under) + Vec3(-0.5, -2, -0.5));
