@@ -1,61 +1,50 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <map>
 
 #include "common/core/log.h"
 #include "common/mission/mission.h"
-#include "common/robot/robot.h"
-#include "deploy/muster/memory_fleet.h"
+#include "tests/fleet/open_fleet.h"
 
 using namespace muster;
 
 namespace {
 
-/// A flight in memory whose robots can be looked into.
+/// A flight in memory, until all have landed.
 class Flown {
  public:
   Flown(const std::string& mission, std::uint64_t seed)
-      : mission_(
-            mission::Mission::load(std::string(MUSTER_SOURCE_DIR) + "/tests/missions/" + mission,
-                                   {"seed=" + std::to_string(seed)})),
-        fleet_(mission_, world::Scene::load(mission_),
-               [this](const mission::Mission& m, RobotId id, std::uint64_t epoch) {
-                 auto process = command::make_process(m, id, epoch);
-                 robots_[id] = dynamic_cast<const robot::Robot*>(process.get());
-                 return process;
-               },
-               {}) {
+      : fleet_(mission::Mission::load(std::string(MUSTER_SOURCE_DIR) + "/tests/missions/" + mission,
+                                      {"seed=" + std::to_string(seed)})) {
     spdlog::set_level(spdlog::level::warn);
     constexpr int kStay = 40;  // ticks: a rover that only turns stands for less
-    for (int home = 0; !end_ && home < kStay;) {
-      end_ = fleet_.tick();
-      for (const mission::ScriptedEvent& e : mission_.script) {
-        if (e.verb == "kill" && e.at < fleet_.flight().now()) robots_.erase(e.robot);
-      }
+    std::optional<std::string> end;
+    for (int home = 0; !end && home < kStay;) {
+      end = fleet_.tick();
       home = after_script() && all_home(mission::VehicleState::kLanded) ? home + 1 : 0;
     }
-    summary = fleet_.finish(end_.value_or("all have landed"));
+    summary = fleet_.finish(end.value_or("all have landed"));
   }
 
   /// Everybody who lives stands where it started, or touches down there (what a robot last heard of
   /// itself is a tick old).
   bool all_home(mission::VehicleState least = mission::VehicleState::kLanding) const {
-    return std::all_of(robots_.begin(), robots_.end(),
-                       [&](const auto& r) { return is_home(*r.second, least); });
+    return std::ranges::all_of(fleet_.robots(),
+                               [&](const auto& r) { return is_home(*r.second, least); });
   }
 
-  const robot::Knowledge& station() const { return robots_.at(mission_.station())->knowledge(); }
+  const robot::Knowledge& station() const { return fleet_.knowledge(fleet_.mission().station()); }
 
   nlohmann::json summary;
 
  private:
   bool after_script() {
-    return std::all_of(mission_.script.begin(), mission_.script.end(), [&](const auto& e) {
-      return e.at + Duration::from_s(5) < fleet_.flight().now();
+    return std::ranges::all_of(fleet_.mission().script, [&](const auto& e) {
+      return e.at + Duration::from_s(5) < fleet_.now();
     });
   }
   bool is_home(const robot::Robot& r, mission::VehicleState least) const {
-    const mission::RobotConfig& config = mission_.robot(r.id());
+    const mission::RobotConfig& config = fleet_.mission().robot(r.id());
     const Vec3 off = r.knowledge().position() - config.start.p;
     const mission::Odometry& o = r.knowledge().odometry();
     const bool down = config.vehicle.ground
@@ -64,10 +53,7 @@ class Flown {
     return down && std::hypot(off.x(), off.y()) <= 1.5;  // as the referee counts
   }
 
-  mission::Mission mission_;
-  std::map<RobotId, const robot::Robot*> robots_;
-  command::MemoryFleet fleet_;
-  std::optional<std::string> end_;
+  test::OpenFleet fleet_;
 };
 
 }  // namespace

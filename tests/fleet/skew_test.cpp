@@ -1,14 +1,12 @@
 // Clocks that are wrong by a minute, in whole flights in memory.
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <map>
 #include <optional>
 #include <vector>
 
 #include "common/core/log.h"
 #include "common/mission/mission.h"
-#include "common/robot/robot.h"
-#include "deploy/muster/memory_fleet.h"
+#include "tests/fleet/open_fleet.h"
 
 using namespace muster;
 
@@ -29,18 +27,9 @@ mission::Mission skewed(RobotId robot, double by_s) {
 /// Flies, and keeps book of what station and explorer agreed and whether it was kept.
 class Flight {
  public:
-  Flight(RobotId robot, double by_s)
-      : robot_(robot),
-        mission_(skewed(robot, by_s)),
-        fleet_(mission_, world::Scene::load(mission_),
-               [this](const mission::Mission& m, RobotId id, std::uint64_t epoch) {
-                 auto process = command::make_process(m, id, epoch);
-                 robots_[id] = dynamic_cast<const robot::Robot*>(process.get());
-                 return process;
-               },
-               {}) {
+  Flight(RobotId robot, double by_s) : robot_(robot), fleet_(skewed(robot, by_s)) {
     spdlog::set_level(spdlog::level::err);
-    while (fleet_.flight().now().s() < kUntil_s && !fleet_.tick()) note();
+    while (fleet_.now().s() < kUntil_s && !fleet_.tick()) note();
   }
 
   /// When the skewed robot first heard anyone afterwards.
@@ -50,7 +39,7 @@ class Flight {
   /// Of clocks, at the end.
   double spread_s() const {
     SimTime least = knows(kStation).now(), most = least;
-    for (const auto& [id, robot] : robots_) {
+    for (const auto& [id, robot] : fleet_.robots()) {
       least = std::min(least, robot->knowledge().now());
       most = std::max(most, robot->knowledge().now());
     }
@@ -59,12 +48,12 @@ class Flight {
   nlohmann::json summary() { return fleet_.finish("far enough"); }
 
  private:
-  const robot::Knowledge& knows(RobotId id) const { return robots_.at(id)->knowledge(); }
+  const robot::Knowledge& knows(RobotId id) const { return fleet_.knowledge(id); }
 
   void note() {
-    const SimTime now = fleet_.flight().now();
+    const SimTime now = fleet_.now();
     if (now.s() <= kSkewed_s + kContact_s) return;  // what was heard before does not count
-    if (!contact_s && std::ranges::any_of(mission_.fleet, [&](const auto& other) {
+    if (!contact_s && std::ranges::any_of(fleet_.mission().fleet, [&](const auto& other) {
           return other.id != robot_ && knows(robot_).in_contact(other.id);
         })) {
       contact_s = now.s();
@@ -91,9 +80,7 @@ class Flight {
   }
 
   RobotId robot_;
-  mission::Mission mission_;
-  std::map<RobotId, const robot::Robot*> robots_;
-  command::MemoryFleet fleet_;
+  test::OpenFleet fleet_;
   MeetingId number_{};
   std::optional<mission::Rung> rung_;  ///< agreed, and not yet met
 };
