@@ -1,7 +1,5 @@
 #include "commsim/lab_radio.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <utility>
@@ -10,6 +8,7 @@
 #include "common/dds/convert.h"
 #include "common/dds/network.h"
 #include "common/dds/order.h"
+#include "commsim/world/tracks.h"
 
 namespace muster::commsim {
 namespace {
@@ -17,8 +16,6 @@ namespace {
 using mission::Message;
 using mission::MessageClass;
 using Clock = dds::Inbox::Clock;
-
-constexpr std::uint64_t kTrackEvery = 10;  // ticks, as a simulated mission does
 
 dds::ParticipantConfig sim_config(const LabOptions& options) {
   dds::ParticipantConfig config;
@@ -52,7 +49,7 @@ LabRadio::LabRadio(const LabOptions& options, Tell tell)
       sim_(dds::make_participant(sim_config(options))),
       air_(dds::make_participant(air_config(options))) {
   if (!tracks_) throw Failure(options.out + "/tracks.csv: cannot be written");
-  tracks_ << "t_s,robot,x,y,z,yaw_rad\n";
+  tracks_ << world::kTrackColumns << '\n';
   relay_.log_to(options.out + "/air.csv");
   const auto once = dds::Delivery::kBestEffort;
   // Best effort matches a bridge that is reliable as well as one that is not.
@@ -113,7 +110,7 @@ void LabRadio::step(std::uint64_t k) {
   truth.time = stepped_ = time_of_tick(k);
   log::set_time(truth.time);
   locate(truth);
-  if (k % kTrackEvery == 0) write_tracks(truth);
+  if (k % world::kTrackEvery == 0) write_tracks(truth);
   for (auto& [robot, messages] : sent_) dds::sort_messages(messages);
   const Relay::Outcome outcome = relay_.step(truth, sent_);
   sent_.clear();
@@ -150,11 +147,8 @@ void LabRadio::note_pose(RobotId robot, bool known) {
 }
 
 void LabRadio::write_tracks(const mission::Truth& truth) {
-  for (const mission::TrueState& state : truth.robots) {
-    const Vec3& p = state.pose.p;
-    tracks_ << fmt::format("{:.1f},{},{:.3f},{:.3f},{:.3f},{:.3f}\n", truth.time.s(),
-                           state.robot.value, p.x(), p.y(), p.z(), state.pose.yaw_rad);
-  }
+  for (const mission::TrueState& robot : truth.robots)
+    tracks_ << world::track_row(truth.time, robot) << '\n';
 }
 
 nlohmann::json LabRadio::finish() {

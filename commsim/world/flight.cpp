@@ -9,6 +9,7 @@
 
 #include "common/core/error.h"
 #include "common/dds/convert.h"
+#include "commsim/world/tracks.h"
 
 namespace muster::world {
 namespace {
@@ -58,7 +59,7 @@ Flight::Flight(const mission::Mission& mission, World& world, const FlightConfig
     : mission_(mission), world_(world), config_(config) {
   if (config_.out.empty()) return;
   tracks_ = open_file(config_.out + "/tracks.csv");
-  tracks_ << "t_s,robot,x,y,z,yaw_rad,activity\n";
+  tracks_ << kTrackColumns << ",activity\n";
   events_ = open_file(config_.out + "/events.jsonl");
   if (!config_.trace) return;
   trace_file_ = open_file(config_.out + "/trace.csv");
@@ -76,7 +77,7 @@ void Flight::tick_begins(std::uint64_t k, const mission::Truth& truth) {
       called_home_ = now_;
   }
   note_faults(k);
-  if (k % 10 == 0) write_tracks(truth);
+  if (k % kTrackEvery == 0) write_tracks(truth);
 }
 
 /// Beginnings of what lasts a while; kills and requests have events of their own.
@@ -183,9 +184,7 @@ void Flight::write_tracks(const mission::Truth& truth) {
     const char* doing = robot.state == mission::VehicleState::kDead ? "lost"
                         : activity == activity_.end()               ? "idle"
                                                                     : to_string(activity->second);
-    tracks_ << fmt::format("{:.1f},{},{:.3f},{:.3f},{:.3f},{:.3f},{}\n", now_.s(),
-                           robot.robot.value, robot.pose.p.x(), robot.pose.p.y(), robot.pose.p.z(),
-                           robot.pose.yaw_rad, doing);
+    tracks_ << track_row(now_, robot) << ',' << doing << '\n';
   }
 }
 
