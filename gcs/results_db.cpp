@@ -132,7 +132,7 @@ void fill_areas(Database& db, const robot::Knowledge& k) {
     const mission::Area& a = known.area;
     insert(db, "INSERT INTO areas VALUES(?,?,?,?,?,?,?,?,?)", ref.author.value, ref.key,
            a.position.x(), a.position.y(), a.position.z(), a.region.value, a.feature_type,
-           a.sightings, known.stamp);
+           a.unexplained, known.stamp);
   }
 }
 

@@ -73,7 +73,7 @@ void AreaFitter::recall(robot::Knowledge& k) {
     fit.since = k.now();
     fit.area = known.area;
     fit.published = known.area.position;
-    fit.published_count = known.area.sightings;
+    fit.published_sightings = known.area.unexplained;  // of how many it is the mean is not kept
   }
   for (const auto& [explored, look] : k.looks()) {
     if (explored == kNoRegion) continue;
@@ -175,8 +175,8 @@ void AreaFitter::review(robot::Knowledge& k, bool explored) {
 void AreaFitter::count_unexplained(robot::Knowledge& k, Fit& fit) const {
   const auto left = static_cast<std::uint32_t>(std::count_if(
       fit.seen.begin(), fit.seen.end(), [&](const Seen& seen) { return !log_.explained(seen); }));
-  if (left == fit.area.sightings) return;
-  fit.area.sightings = left;
+  if (left == fit.area.unexplained) return;
+  fit.area.unexplained = left;
   k.publish(store::RecordClass::kArea, fit.ref->key, fit.area);
 }
 
@@ -291,7 +291,7 @@ void AreaFitter::add(robot::Knowledge& k, const Seen& seen, RegionId region) {
   }
   const auto count = static_cast<std::uint32_t>(fit->seen.size());
   const bool better =
-      (fit->mean() - fit->published).norm() > kMoved_m || count >= 2 * fit->published_count;
+      (fit->mean() - fit->published).norm() > kMoved_m || count >= 2 * fit->published_sightings;
   if (better && !k.inspected(*fit->ref)) publish(k, *fit);
 }
 
@@ -312,13 +312,13 @@ Pose AreaFitter::squarest(const robot::Knowledge& k, const Fit& fit) {
 void AreaFitter::publish(robot::Knowledge& k, Fit& fit) {
   if (!fit.ref) fit.ref = {k.self(), k.store().new_key(store::RecordClass::kArea)};
   const auto count = static_cast<std::uint32_t>(fit.seen.size());
-  fit.area.sightings = count;
+  fit.area.unexplained = count;  // `review` takes off what is explained
   fit.area.sigma_m = static_cast<float>(k.mission().sensing.sighting_sigma_m / std::sqrt(count));
   fit.area.normal = fit.towards();
   fit.area.position = fit.mean();
   fit.area.sighted_from = squarest(k, fit);
   fit.published = fit.area.position;
-  fit.published_count = count;
+  fit.published_sightings = count;
   k.publish(store::RecordClass::kArea, fit.ref->key, fit.area);
 }
 

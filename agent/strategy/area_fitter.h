@@ -49,10 +49,10 @@ class AreaFitter {
     std::vector<Seen> seen;               ///< empty only while `recall` is at work
     SimTime since;
     mission::Area area;
-    Vec3 published = Vec3::Zero();
-    std::uint32_t published_count = 0;
-    std::size_t tested = 0;  ///< sightings that were found to be of one source
-    bool closed = false;     ///< its result is in
+    Vec3 published = Vec3::Zero();          ///< position
+    std::uint32_t published_sightings = 0;  ///< that this position is the mean of
+    std::size_t tested = 0;                 ///< sightings that were found to be of one source
+    bool closed = false;                    ///< its result is in
     Vec3 mean() const;
     Vec3 towards() const;  ///< sum of unit directions to where it was sighted from
     bool seen_in(std::size_t look) const;

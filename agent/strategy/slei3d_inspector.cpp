@@ -231,7 +231,7 @@ bool Slei3dInspector::explored(const robot::Knowledge& k, const mission::AreaRef
 
 /// Sighted so often, by what no finding explains, that a refusal never says there is nothing.
 bool Slei3dInspector::sure(const robot::Knowledge& k, const mission::AreaRef& ref) {
-  return k.areas().at(ref).area.sightings >= kSureSightings;
+  return k.areas().at(ref).area.unexplained >= kSureSightings;
 }
 
 /// It may have been a sighting of a feature that is known, and not be worth looking from
@@ -246,7 +246,7 @@ bool Slei3dInspector::may_be_stray(const robot::Knowledge& k, const mission::Are
   if (vain >= kHopelessLooks) return true;
   if (!known_near(k, area.position)) return false;
   return (!sure(k, ref) && vain >= kManyStrayLooks) ||
-         (vain >= kStrayLooks && area.sightings <= 2 && known_near(k, spot_to_ask(k, area)));
+         (vain >= kStrayLooks && area.unexplained <= 2 && known_near(k, spot_to_ask(k, area)));
 }
 
 /// Refused: look from elsewhere, at once while there is a fair chance. Not to be reached or out of

@@ -32,7 +32,7 @@ void fields(const Io& io, air::Area& w, P& p) {
   io(w.sighted_from(), p.sighted_from);
   io(w.normal(), p.normal);
   io(w.sigma_m(), p.sigma_m);
-  io(w.sightings(), p.sightings);
+  io(w.sightings(), p.unexplained);
   io(w.region(), p.region);
   io(w.feature_type(), p.feature_type);
   io(w.skill(), p.skill);

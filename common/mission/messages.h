@@ -128,7 +128,7 @@ struct Area {
   Pose sighted_from;
   Vec3 normal = Vec3::Zero();
   float sigma_m = 0;
-  std::uint32_t sightings = 0;
+  std::uint32_t unexplained = 0;  ///< sightings of it, without those that a finding explains
   RegionId region = kNoRegion;
   std::uint32_t feature_type = 0, skill = 0, priority = 0;
 };

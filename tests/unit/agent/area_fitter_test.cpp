@@ -160,7 +160,7 @@ TEST_CASE("an explorer that is started again with its looks goes on with its are
   CHECK(k.store().version() == told);
   for (int i = 0; i < 2; ++i) take(k, after, look({5, -3, 2}, {{5.04, 0, 2}}));
   REQUIRE(k.areas().size() == 1);
-  CHECK(first().sightings == 4);
+  CHECK(first().unexplained == 4);
   CHECK((first().position - Vec3(5.02, 0, 2)).norm() < 0.01);
   k.begin(SimTime::from_s(60));
   after.review(k, false);
@@ -292,10 +292,10 @@ TEST_CASE("an area says how many of its sightings the finding of another does no
     REQUIRE(k.areas().size() == 2);
     const mission::AreaRef ref = k.areas().rbegin()->first;
     const auto second = [&]() -> const mission::Area& { return k.areas().at(ref).area; };
-    CHECK(second().sightings == 2);
+    CHECK(second().unexplained == 2);
     inspect(k, k.areas().begin()->first, {5, -2, 2}, {{5.3, 0, 2}});
     fitter.review(k, false);
-    CHECK(second().sightings == (all ? 0 : 1));
+    CHECK(second().unexplained == (all ? 0 : 1));
   }
 }
 

@@ -84,7 +84,7 @@ TEST_CASE("an explorer that starts again with its looks goes on with what it sig
   explorer.decide(again, {});
   explorer.on_sightings(again, look);
   REQUIRE(again.areas().size() == 1);
-  CHECK(again.areas().begin()->second.area.sightings == 2);
+  CHECK(again.areas().begin()->second.area.unexplained == 2);
 }
 
 namespace {

@@ -33,14 +33,14 @@ struct Life {
     be_at(explorer, s, {1, 0, 2});
     be_at(self, s, p);
   }
-  void give(const std::vector<Vec3>& places, std::uint32_t sightings = 2) {
+  void give(const std::vector<Vec3>& places, std::uint32_t unexplained = 2) {
     mission::Plan plan;
     plan.kind = mission::PlanKind::kAllocation;
     plan.allocations = {{RobotId{2}, RobotId{1}, RegionId{0}, {}}};
     for (const Vec3& p : places) {
       const std::uint64_t key = explorer.store().new_key(store::RecordClass::kArea);
       mission::Area area = area_at(p, p - 2 * Vec3::UnitX());
-      area.sightings = sightings;
+      area.unexplained = unexplained;
       explorer.publish(store::RecordClass::kArea, key, area);
       plan.allocations.push_back({RobotId{2}, RobotId{1}, RegionId{0}, {RobotId{1}, key}});
     }

@@ -32,7 +32,7 @@ inline mission::Area area_at(const Vec3& position, const Vec3& sighted_from) {
   a.sighted_from.p = sighted_from;
   a.normal = (sighted_from - position).normalized();
   a.sigma_m = 0.07f;
-  a.sightings = 2;
+  a.unexplained = 2;
   a.region = RegionId{0};
   return a;
 }
