@@ -6,55 +6,26 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <catch2/catch.hpp>
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <thread>
 
 #include "tests/free_domain.h"
+#include "tests/programs.h"
 
 namespace fs = std::filesystem;
+using namespace muster::test;
 
 namespace {
 
 const std::string kMuster = std::string(MUSTER_HOPPERS) + "/muster";
 const std::string kPagoda = std::string(MUSTER_SOURCE_DIR) + "/deploy/missions/pagoda.yaml";
 
-/// A directory of its own, removed at the end.
-struct Place {
-  fs::path path = fs::temp_directory_path() / fmt::format("muster-fleet-{}", getpid());
-  Place() { fs::create_directories(path); }
-  ~Place() { fs::remove_all(path); }
-  std::string operator/(const char* name) const { return path / name; }
-};
-
-struct Ended {
-  int status = -1;
-  std::string output;
-};
-
-/// Reads all of what a shell command says.
-Ended shell(const std::string& line) {
-  Ended ended;
-  FILE* pipe = popen((line + " 2>&1").c_str(), "r");
-  std::array<char, 4096> chunk;
-  while (const std::size_t n = fread(chunk.data(), 1, chunk.size(), pipe))
-    ended.output.append(chunk.data(), n);
-  ended.status = WEXITSTATUS(pclose(pipe));
-  return ended;
-}
-
 Ended command(const std::string& arguments) {
   return shell("timeout 300 " + kMuster + " " + arguments);
-}
-
-nlohmann::json summary_of(const std::string& dir) {
-  return nlohmann::json::parse(std::ifstream(dir + "/summary.json"));
 }
 
 std::size_t lines_in(const std::string& text) {
@@ -64,14 +35,10 @@ std::size_t lines_in(const std::string& text) {
 /// `muster run` in the background, watched through its events.
 class Running {
  public:
-  Running(const std::string& dir, const std::string& arguments) : dir_(dir) {
-    pid_ = fork();
-    if (pid_ == 0) {
-      const std::string line = fmt::format("exec {} run {} --speed 10 --out {} {} > {}.out 2>&1",
-                                           kMuster, kPagoda, dir, arguments, dir);
-      execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
-      _exit(127);
-    }
+  Running(const std::string& dir, const std::string& arguments)
+      : dir_(dir),
+        pid_(start(fmt::format("{} run {} --speed 10 --out {} {} > {}.out 2>&1", kMuster, kPagoda,
+                               dir, arguments, dir))) {
     for (int i = 0; i < 2400 && !flies(); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     REQUIRE(flies());
@@ -96,11 +63,7 @@ class Running {
     waitpid(pid_, &status, 0);
     return WEXITSTATUS(status);
   }
-  std::string output() const {
-    std::ostringstream text;
-    text << std::ifstream(dir_ + ".out").rdbuf();
-    return text.str();
-  }
+  std::string output() const { return text_of(dir_ + ".out"); }
   bool left_nothing() const { return shell("pgrep -f -- '[-]-out " + dir_ + "'").status != 0; }
 
  private:
@@ -111,7 +74,7 @@ class Running {
   bool flies() const { return output().find(" s  map") != std::string::npos; }
 
   std::string dir_;
-  pid_t pid_ = -1;
+  pid_t pid_;
 };
 
 /// Five seconds of a machine of our own: more where others want the same cores.
@@ -241,10 +204,9 @@ TEST_CASE("muster ctl reaches the world of a running mission, and says when ther
   CHECK(command("ctl " + place / "run" + " abort").status == 0);
   CHECK(command("ctl " + place / "run" + " abort --robot 99").status == 2);
   CHECK(run.wait() == 3);
-  std::ostringstream events;
-  events << std::ifstream(place / "run/events.jsonl").rdbuf();
-  CHECK(events.str().find("\"verb\":\"hold\"") != std::string::npos);
-  CHECK(events.str().find("\"verb\":\"abort\"") != std::string::npos);
+  const std::string events = text_of(place / "run/events.jsonl");
+  CHECK(events.find("\"verb\":\"hold\"") != std::string::npos);
+  CHECK(events.find("\"verb\":\"abort\"") != std::string::npos);
   CHECK(command("ctl " + place / "run" + " abort").status == 1);
 }
 
@@ -275,7 +237,7 @@ TEST_CASE(
 
 TEST_CASE("a domain or a directory in use is named") {
   const Place place;
-  const std::string taken = std::to_string(muster::test::free_domain());
+  const std::string taken = std::to_string(free_domain());
   Running run(place / "run", "--duration 600 --domain " + taken);
   const Ended domain =
       command("run " + kPagoda + " --domain " + taken + " --out " + place / "other");

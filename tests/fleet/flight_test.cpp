@@ -20,39 +20,15 @@
 #include <string>
 
 #include "common/geometry/pose.h"
+#include "tests/programs.h"
 
 namespace fs = std::filesystem;
+using namespace muster::test;
 
 namespace {
 
 const std::string kMuster = std::string(MUSTER_BIN_DIR) + "/muster";
 const std::string kPagoda = std::string(MUSTER_SOURCE_DIR) + "/deploy/missions/pagoda.yaml";
-
-struct Place {
-  fs::path path = fs::temp_directory_path() / fmt::format("muster-flight-{}", getpid());
-  Place() { fs::create_directories(path); }
-  ~Place() { fs::remove_all(path); }
-  std::string operator/(const std::string& name) const { return path / name; }
-};
-
-struct Ended {
-  int status = -1;
-  std::string output;
-};
-
-Ended shell(const std::string& command) {
-  Ended ended;
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  std::array<char, 4096> chunk;
-  while (const std::size_t n = fread(chunk.data(), 1, chunk.size(), pipe))
-    ended.output.append(chunk.data(), n);
-  ended.status = WEXITSTATUS(pclose(pipe));
-  return ended;
-}
-
-nlohmann::json summary_of(const std::string& dir) {
-  return nlohmann::json::parse(std::ifstream(dir + "/summary.json"));
-}
 
 /// Keeps both cores busy while it lives.
 class Load {
@@ -161,15 +137,10 @@ TEST_CASE("every kind of fault, the same over DDS, and nobody touches anything")
 
 TEST_CASE("robots and station killed by SIGKILL from outside are started again and go on") {
   const Place place;
-  const pid_t launcher = fork();
-  if (launcher == 0) {
-    const std::string line = fmt::format(
-        "exec timeout 250 {} run {} --seed 1 --duration 90 --speed 12 --restart 3 "
-        "--no-report --out {} > {}.out 2>&1",
-        kMuster, kPagoda, place / "run", place / "run");
-    execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
-    _exit(127);
-  }
+  const pid_t launcher =
+      start(fmt::format("timeout 250 {} run {} --seed 1 --duration 90 --speed 12 --restart 3 "
+                        "--no-report --out {} > {}.out 2>&1",
+                        kMuster, kPagoda, place / "run", place / "run"));
   // Each when it has something to lose; by its number in the order of starting, oldest first.
   const auto flown_s = [&] {
     const Ended last = shell(fmt::format("tail -n 1 {}", place / "run/tracks.csv"));

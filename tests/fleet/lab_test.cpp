@@ -3,11 +3,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -17,33 +15,21 @@
 #include <thread>
 
 #include "tests/free_domain.h"
+#include "tests/programs.h"
 
 namespace fs = std::filesystem;
+using namespace muster::test;
 
 namespace {
 
 const std::string kBin = MUSTER_BIN_DIR;
 const std::string kMissions = std::string(MUSTER_SOURCE_DIR) + "/tests/missions/";
 
-/// A directory of its own, removed at the end.
-struct Place {
-  fs::path path = fs::temp_directory_path() / fmt::format("muster-lab-{}", getpid());
-  Place() { fs::create_directories(path); }
-  ~Place() { fs::remove_all(path); }
-  Place(const Place&) = delete;
-  Place& operator=(const Place&) = delete;
-  std::string operator/(const std::string& name) const { return path / name; }
-};
-
 /// A program in the background, what it says in a file; ended with the object.
 class Background {
  public:
-  Background(const std::string& line, std::string says) : says_(std::move(says)) {
-    pid_ = fork();
-    if (pid_ != 0) return;
-    execl("/bin/sh", "sh", "-c", fmt::format("exec {} > {}", line, says_).c_str(), nullptr);
-    _exit(127);
-  }
+  Background(const std::string& line, std::string says)
+      : says_(std::move(says)), pid_(start(fmt::format("{} > {}", line, says_))) {}
   ~Background() {
     kill(pid_, SIGTERM);
     waitpid(pid_, nullptr, 0);
@@ -51,11 +37,7 @@ class Background {
   Background(const Background&) = delete;
   Background& operator=(const Background&) = delete;
 
-  std::string said() const {
-    std::ostringstream text;
-    text << std::ifstream(says_).rdbuf();
-    return text.str();
-  }
+  std::string said() const { return text_of(says_); }
   void await(const std::string& word) const {
     for (int i = 0; i < 1200 && said().find(word) == std::string::npos; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -73,23 +55,11 @@ class Background {
 
  private:
   std::string says_;
-  pid_t pid_ = -1;
-};
-
-struct Ended {
-  int status = -1;
-  std::string output;
+  pid_t pid_;
 };
 
 Ended lab(const std::string& arguments) {
-  const std::string line = "timeout 120 " + kBin + "/muster lab " + arguments + " 2>&1";
-  Ended ended;
-  FILE* pipe = popen(line.c_str(), "r");
-  std::array<char, 4096> chunk;
-  while (const std::size_t n = fread(chunk.data(), 1, chunk.size(), pipe))
-    ended.output.append(chunk.data(), n);
-  ended.status = WEXITSTATUS(pclose(pipe));
-  return ended;
+  return shell("timeout 120 " + kBin + "/muster lab " + arguments);
 }
 
 using Row = std::map<std::string, double>;
@@ -150,7 +120,7 @@ TEST_CASE(
   const std::string vendor = GENERATE("cyclonedds", "fastdds");
   INFO(vendor);
   const Place place;
-  const std::string domain = std::to_string(muster::test::free_domain());
+  const std::string domain = std::to_string(free_domain());
   const std::string peer = kBin + "/lab_peer ", at = " " + vendor + " " + domain + " ";
   const Background drivers(peer + "drivers" + at + "1 2 3", place / "drivers");
   drivers.await("up");
@@ -176,7 +146,7 @@ TEST_CASE(
   CHECK(neighbours.at("wall") > 0);
   CHECK(neighbours.at("heard") == 0);
 
-  const auto summary = nlohmann::json::parse(std::ifstream(place / "out/summary.json"));
+  const auto summary = summary_of(place / "out");
   REQUIRE(summary["contacts"].size() == 1);
   const double met_s = summary["contacts"][0]["intervals"][0][0];
   CHECK(distance_m(tracks, 1, 2, met_s) < 8);

@@ -15,7 +15,10 @@
 #include <thread>
 #include <vector>
 
+#include "tests/programs.h"
+
 namespace fs = std::filesystem;
+using namespace muster::test;
 
 namespace {
 
@@ -63,27 +66,13 @@ class Network {
   bool made_ = true;
 };
 
-/// A directory of its own, removed at the end.
-struct Place {
-  fs::path path = fs::temp_directory_path() / fmt::format("muster-netns-{}", getpid());
-  Place() { fs::create_directories(path); }
-  ~Place() { fs::remove_all(path); }
-};
-
 /// A peer in a namespace; ended and reaped with the object.
 class Peer {
  public:
   Peer(const std::string& netns, const std::string& arguments, const fs::path& heard)
-      : heard_(heard) {
-    pid_ = fork();
-    if (pid_ == 0) {
-      const std::string line =
-          fmt::format("exec ip netns exec {} {} {} {} > {} 2>{}.err", netns, kPeer, kMission,
-                      arguments, heard.string(), heard.string());
-      execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
-      _exit(127);
-    }
-  }
+      : heard_(heard),
+        pid_(start(fmt::format("ip netns exec {} {} {} {} > {} 2>{}.err", netns, kPeer, kMission,
+                               arguments, heard.string(), heard.string()))) {}
   ~Peer() {
     kill(pid_, SIGTERM);
     waitpid(pid_, nullptr, 0);
@@ -114,7 +103,7 @@ class Peer {
 
  private:
   fs::path heard_;
-  pid_t pid_ = -1;
+  pid_t pid_;
 };
 
 }  // namespace

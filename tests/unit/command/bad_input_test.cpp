@@ -2,28 +2,21 @@
 // place and says what would be right, exit status 2 (or 1 where the surroundings are at fault),
 // nobody left running, nothing half-written.
 #include <fmt/format.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <catch2/catch.hpp>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <sstream>
 
 #include "tests/free_domain.h"
+#include "tests/programs.h"
 
 namespace fs = std::filesystem;
+using namespace muster::test;
 
 namespace {
-
-struct Ended {
-  int status = -1;
-  std::string output;  ///< stdout and stderr
-};
 
 /// A folder for missions, with the scenes and vehicles that come with Muster beside it.
 class Folder {
@@ -41,9 +34,7 @@ class Folder {
   }
   /// missions/m.yaml: `pagoda` with one thing changed.
   void write_mission(const std::string& from, const std::string& to) const {
-    std::ostringstream text;
-    text << std::ifstream(fs::path(MUSTER_SOURCE_DIR) / "deploy/missions/pagoda.yaml").rdbuf();
-    std::string mission = text.str();
+    std::string mission = text_of(fs::path(MUSTER_SOURCE_DIR) / "deploy/missions/pagoda.yaml");
     const auto at = mission.find(from);
     REQUIRE(at != std::string::npos);
     write("missions/m.yaml", mission.replace(at, from.size(), to));
@@ -52,15 +43,8 @@ class Folder {
   /// Runs one of our programs here. Its output without the folder's own name, and without the
   /// program's.
   Ended run(const std::string& program, const std::string& arguments) const {
-    const std::string line = fmt::format("cd '{}' && timeout 120 '{}/{}' {} 2>&1 </dev/null",
-                                         dir_.string(), MUSTER_BIN_DIR, program, arguments);
-    FILE* pipe = popen(line.c_str(), "r");
-    REQUIRE(pipe != nullptr);
-    Ended ended;
-    std::array<char, 4096> chunk;
-    while (const std::size_t n = fread(chunk.data(), 1, chunk.size(), pipe))
-      ended.output.append(chunk.data(), n);
-    ended.status = WEXITSTATUS(pclose(pipe));
+    Ended ended = shell(fmt::format("cd '{}' && timeout 120 '{}/{}' {} </dev/null", dir_.string(),
+                                    MUSTER_BIN_DIR, program, arguments));
     if (ended.output.starts_with(program + ": ")) ended.output.erase(0, program.size() + 2);
     const std::string here = dir_.string() + "/";
     for (auto at = ended.output.find(here); at != std::string::npos; at = ended.output.find(here))
@@ -79,10 +63,7 @@ bool is_one_line(const std::string& text) {
 /// Whoever names this output directory on the command line is one of ours.
 bool somebody_runs_with(const std::string& out) {
   for (const auto& entry : fs::directory_iterator("/proc")) {
-    std::ifstream file(entry.path() / "cmdline", std::ios::binary);
-    std::ostringstream line;
-    line << file.rdbuf();
-    if (line.str().find(out) != std::string::npos) return true;
+    if (text_of(entry.path() / "cmdline").find(out) != std::string::npos) return true;
   }
   return false;
 }

@@ -6,10 +6,11 @@
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <sstream>
 #include <vector>
+
+#include "tests/text_of.h"
 
 using namespace muster::command;
 using nlohmann::json;
@@ -30,10 +31,9 @@ std::string heard(const std::function<void()>& speak) {
   dup2(stdout_before, STDOUT_FILENO);
   close(stdout_before);
   std::fclose(file);
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
+  std::string text = muster::test::text_of(path);
   fs::remove(path);
-  return text.str();
+  return text;
 }
 
 json state(double t_s) {

@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "common/core/error.h"
+#include "tests/text_of.h"
 #include "tests/unit/command/fake_run.h"
 
 using namespace muster;
@@ -21,16 +21,9 @@ fs::path fresh(const std::string& name) {
   return dir;
 }
 
-std::string slurp(const fs::path& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 std::string report_of(const fs::path& dir) {
   write_report(dir.string());
-  return slurp(dir / "report.html");
+  return test::text_of(dir / "report.html");
 }
 
 }  // namespace

@@ -4,10 +4,9 @@
 
 #include <catch2/catch.hpp>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "common/store/database.h"
+#include "tests/text_of.h"
 #include "tests/unit/robot/fixtures.h"
 
 using namespace muster;
@@ -146,10 +145,7 @@ TEST_CASE("a meeting is agreed when exactly this proposal was acknowledged") {
 }
 
 TEST_CASE("the queries in the station's README give what they say") {
-  std::ifstream file(MUSTER_SOURCE_DIR "/gcs/README.md");
-  std::stringstream text;
-  text << file.rdbuf();
-  const std::string readme = text.str();
+  const std::string readme = test::text_of(MUSTER_SOURCE_DIR "/gcs/README.md");
   auto query = [&, at = std::size_t{0}]() mutable {
     const std::string begin = "```sql\n";
     const std::size_t from = readme.find(begin, at) + begin.size();
