@@ -36,9 +36,6 @@ class Slei3dExplorer : public robot::Strategy {
   void on_sightings(robot::Knowledge& knowledge, const mission::Sightings& sightings) override;
   void on_scan(robot::Knowledge& knowledge, const mission::Scan& scan) override;
   robot::Intent decide(robot::Knowledge& knowledge, const robot::Progress& progress) override;
-  std::vector<mission::PlanningTime> take_planning() override {
-    return std::exchange(planning_, {});
-  }
 
  private:
   struct Orders {
@@ -71,7 +68,6 @@ class Slei3dExplorer : public robot::Strategy {
   std::optional<robot::Intent> say_farewell(robot::Knowledge& knowledge,
                                             const robot::Progress& progress);
 
-  std::vector<mission::PlanningTime> planning_;
   RobotId station_;
   robot::Agreement agreement_;
   AreaFitter fitter_;

@@ -21,9 +21,6 @@ namespace muster::agent {
 class Slei3dInspector : public robot::Strategy {
  public:
   robot::Intent decide(robot::Knowledge& knowledge, const robot::Progress& progress) override;
-  std::vector<mission::PlanningTime> take_planning() override {
-    return std::exchange(planning_, {});
-  }
 
  private:
   struct Orders {
@@ -51,7 +48,6 @@ class Slei3dInspector : public robot::Strategy {
   void publish_route(robot::Knowledge& knowledge, const Orders& orders);
   Vec3 route_end(robot::Knowledge& knowledge, const Orders& orders) const;
 
-  std::vector<mission::PlanningTime> planning_;
   std::optional<mission::AreaRef> current_;
   ViewPose view_;              // of the current area
   Vec3 asked_ = Vec3::Zero();  // the spot that the camera is asked about

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/map/targets.h"
@@ -53,7 +54,10 @@ class Strategy {
   /// The mission is over for this robot's owner (the station's word; others never declare).
   virtual bool declares_complete() const { return false; }
   /// Wall-clock costs of planning steps since the last call.
-  virtual std::vector<mission::PlanningTime> take_planning() { return {}; }
+  std::vector<mission::PlanningTime> take_planning() { return std::exchange(planning_, {}); }
+
+ protected:
+  std::vector<mission::PlanningTime> planning_;
 };
 
 }  // namespace muster::robot

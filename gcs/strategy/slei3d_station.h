@@ -20,9 +20,6 @@ class Slei3dStation : public robot::Strategy {
 
   robot::Intent decide(robot::Knowledge& knowledge, const robot::Progress& progress) override;
   bool declares_complete() const override { return declared_; }
-  std::vector<mission::PlanningTime> take_planning() override {
-    return std::exchange(planning_, {});
-  }
 
  private:
   bool begin(robot::Knowledge& knowledge);
@@ -32,7 +29,6 @@ class Slei3dStation : public robot::Strategy {
   Vec3 parking_for(robot::Knowledge& knowledge, const Vec3& place);
   void declare(robot::Knowledge& knowledge);
 
-  std::vector<mission::PlanningTime> planning_;
   Regions regions_;
   std::map<RobotId, robot::Agreement> agreements_;
   bool assigned_ = false;

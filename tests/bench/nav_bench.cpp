@@ -18,6 +18,7 @@ namespace {
 
 using namespace muster;
 using namespace muster::nav;
+using muster::test::below;
 
 /// 20 × 20 × 10 m with pillars and slabs, known; unknown around, 120 m wide.
 map::VoxelMap& site() {
@@ -26,11 +27,8 @@ map::VoxelMap& site() {
     config.bounds = Box::from_corners(Vec3(-30, -30, 0), Vec3(90, 60, 20));
     test::KnownMap rooms({0, 0, 0}, {100, 100, 50}, config);
     Random random(7, RobotId{0}, "bench");
-    const auto below = [&](int n) {
-      return static_cast<int>(random.below(static_cast<std::uint64_t>(n)));
-    };
     for (int i = 0; i < 120; ++i) {
-      const map::VoxelKey at{below(100), below(100), below(50)};
+      const map::VoxelKey at{below(random, 100), below(random, 100), below(random, 50)};
       const bool pillar = random.chance(0.5);
       for (int a = 0; a < (pillar ? 2 : 14); ++a) {
         for (int b = 0; b < (pillar ? 2 : 14); ++b) {

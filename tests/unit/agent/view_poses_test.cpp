@@ -43,13 +43,14 @@ TEST_CASE("the spot to ask about is moved off what is known, as little as that t
   Place p(wall);
   const mission::Area a = area_at({4.0, 0, 2}, {2.0, 0, 2});
   CHECK(spot_to_ask(p.inspector, a) == a.position);
-  p.find(1, {4.0, 0.2, 2});
+  const double off_m = GENERATE(0.2, 0.35);
+  p.find(1, {4.0, off_m, 2});
   const Vec3 spot = spot_to_ask(p.inspector, a);
-  CHECK((spot - Vec3(4.0, 0.2, 2)).norm() > p.mission.inspect.match_m);
-  CHECK((spot - Vec3(4.0, -0.32, 2)).norm() < 0.01);
+  CHECK((spot - Vec3(4.0, off_m, 2)).norm() > p.mission.inspect.match_m);
+  CHECK((spot - Vec3(4.0, off_m - 0.52, 2)).norm() < 0.01);
   CHECK_FALSE(known_near(p.inspector, spot));
   // Between two there is no such spot.
-  p.find(2, {4.0, -0.2, 2});
+  p.find(2, {4.0, -off_m, 2});
   p.find(3, {4.0, 0, 2.2});
   p.find(4, {4.0, 0, 1.8});
   p.find(5, {3.8, 0, 2});
@@ -122,19 +123,6 @@ TEST_CASE("what cannot be seen from anywhere has no pose, and a wall in between 
   Place p([](const Vec3& q) { return wall(q) || (q.x() > 3.0 && q.x() < 3.4); });
   CHECK_FALSE(view_pose(p.inspector, area_at({4.0, 0, 2}, {3.7, 0, 2}), {}, 0));
   CHECK_FALSE(in_sight(p.inspector, area_at({4.0, 0, 2}, {3.7, 0, 2}), {{1, 0, 2}, 0}));
-}
-
-TEST_CASE("the spot asked for leaves out a feature that is known already, when it can") {
-  Place p(wall);
-  const mission::Area a = area_at({4.0, 0, 2}, {2.0, 0, 2});
-  CHECK(spot_to_ask(p.inspector, a) == a.position);
-  p.find(1, {4.0, 0.35, 2});
-  const Vec3 aside = spot_to_ask(p.inspector, a);
-  CHECK((aside - Vec3(4.0, 0.35, 2)).norm() > p.mission.inspect.match_m);
-  CHECK((aside - a.position).norm() < 0.25);
-  p.find(2, {4.0, -0.35, 2});  // between two there is no such spot near by
-  p.find(3, {4.0, 0, 2.1});
-  CHECK(spot_to_ask(p.inspector, a) == a.position);
 }
 
 TEST_CASE("an area close to the limit of the field of view is looked at from further away") {

@@ -9,18 +9,13 @@
 #include "common/radio/presets.h"
 #include "common/robot/robot.h"
 #include "commsim/relay.h"
+#include "tests/unit/robot/fixtures.h"
 
 using namespace muster;
 
 namespace {
 
 constexpr RobotId kGone{99};  // whose records they hold
-
-/// Stays where it is.
-class Idle : public robot::Strategy {
- public:
-  robot::Intent decide(robot::Knowledge&, const robot::Progress&) override { return {}; }
-};
 
 mission::Mission fleet_of(std::uint32_t robots, const char* preset) {
   mission::Mission m;
@@ -49,7 +44,7 @@ class Fleet {
                                           .walls = [](auto&, auto&) { return 0; }}) {
     for (const mission::RobotConfig& r : mission_.fleet) {
       robots_.push_back(
-          std::make_unique<robot::Robot>(mission_, r.id, std::make_unique<Idle>(), 1));
+          std::make_unique<robot::Robot>(mission_, r.id, std::make_unique<robot::Idle>(), 1));
       truth_.robots.push_back({r.id, mission::VehicleState::kMoving, r.start, Vec3::Zero()});
     }
   }

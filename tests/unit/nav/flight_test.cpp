@@ -8,6 +8,7 @@
 
 using namespace muster;
 using namespace muster::nav;
+using muster::test::below;
 using muster::test::KnownMap;
 
 namespace {
@@ -15,10 +16,8 @@ namespace {
 KnownMap pillars(Random& random, map::VoxelKey size, int count) {
   KnownMap hall({0, 0, 0}, size);
   for (int i = 0; i < count; ++i) {
-    const auto below = [&](int n) {
-      return static_cast<int>(random.below(static_cast<std::uint64_t>(n)));
-    };
-    const int x = below(size.x - 3), y = below(size.y - 3), top = 2 + below(size.z - 2);
+    const int x = below(random, size.x - 3), y = below(random, size.y - 3),
+              top = 2 + below(random, size.z - 2);
     const bool beam = random.chance(0.4);
     for (int k = 0; k < (beam ? 12 : top); ++k) {
       for (int w = 0; w < 2; ++w) {

@@ -3,10 +3,16 @@
 #include <map>
 #include <vector>
 
+#include "common/core/random.h"
 #include "common/map/voxel_map.h"
 #include "tests/unit/map/said.h"
 
 namespace muster::test {
+
+/// Uniform in {0 … n−1}; n > 0.
+inline int below(Random& random, int n) {
+  return static_cast<int>(random.below(static_cast<std::uint64_t>(n)));
+}
 
 /// A map that is known by decree, as if another robot had sent its blocks: a box of free voxels,
 /// some of them occupied, unknown around.

@@ -13,6 +13,7 @@
 
 using namespace muster;
 using namespace muster::nav;
+using muster::test::below;
 using muster::test::KnownMap;
 
 namespace {
@@ -21,12 +22,10 @@ namespace {
 KnownMap random_rooms(Random& random, map::VoxelKey size, int things) {
   KnownMap rooms({0, 0, 0}, size);
   for (int i = 0; i < things; ++i) {
-    const auto below = [&](int n) {
-      return static_cast<int>(random.below(static_cast<std::uint64_t>(n)));
-    };
-    const map::VoxelKey at{below(size.x), below(size.y), below(size.z)};
-    const map::VoxelKey extent{1 + below(random.chance(0.3) ? size.x : 3), 1 + below(3),
-                               1 + below(random.chance(0.3) ? size.z : 3)};
+    const map::VoxelKey at{below(random, size.x), below(random, size.y), below(random, size.z)};
+    const map::VoxelKey extent{1 + below(random, random.chance(0.3) ? size.x : 3),
+                               1 + below(random, 3),
+                               1 + below(random, random.chance(0.3) ? size.z : 3)};
     const auto what = random.chance(0.8) ? map::Voxel::kOccupied : map::Voxel::kUnknown;
     for (int z = at.z; z < std::min(size.z, at.z + extent.z); ++z) {
       for (int y = at.y; y < std::min(size.y, at.y + extent.y); ++y) {
@@ -314,10 +313,7 @@ TEST_CASE(
   config.bounds = Box::from_corners(Vec3(-3.7, -9.1, -1), Vec3(9.3, 12, 9));
   KnownMap bounded({0, 0, 0}, {32, 32, 16}, config);
   for (int i = 0; i < 300; ++i) {
-    const auto at = [&](int n) {
-      return static_cast<int>(random.below(static_cast<std::uint64_t>(n)));
-    };
-    bounded.occupy({at(32), at(32), at(16)});
+    bounded.occupy({below(random, 32), below(random, 32), below(random, 16)});
   }
   const auto& map = bounded.map();
   int unknown_blocks = 0;

@@ -28,6 +28,13 @@ struct Pair {
     robot::pass(explorer, station, store::RecordClass::kMeeting);
     robot::pass(station, explorer, store::RecordClass::kMeeting);
   }
+  /// In contact, for 60 s and 120 s. The explorer has not heard yet that the station accepts.
+  void propose_and_accept() {
+    time(0, true);
+    at_explorer.propose(explorer, ladder(60), RegionId{0});
+    exchange();
+    REQUIRE(at_station.update(station));
+  }
   std::vector<mission::Rung> ladder(double from) {
     return {{{2, -4, 1}, at(from), at(from + 30)}, {{2, -4, 1}, at(from + 60), at(from + 90)}};
   }
@@ -54,10 +61,7 @@ TEST_CASE("a meeting is agreed on when the acknowledgement is heard in the same 
 
 TEST_CASE("an explorer that lost its journal takes up what the station agreed with it before") {
   Pair p;
-  p.time(0, true);
-  p.at_explorer.propose(p.explorer, p.ladder(60), RegionId{0});
-  p.exchange();
-  REQUIRE(p.at_station.update(p.station));
+  p.propose_and_accept();
   Knowledge blank(p.mission, RobotId{1}, 2);
   blank.begin(at(5));
   Agreement again(RobotId{1}, RobotId{0});
@@ -72,10 +76,7 @@ TEST_CASE("an explorer that lost its journal takes up what the station agreed wi
 TEST_CASE(
     "an acknowledgement that comes after the contact is void, and both meet at the standing rung") {
   Pair p;
-  p.time(0, true);
-  p.at_explorer.propose(p.explorer, p.ladder(60), RegionId{0});
-  p.exchange();
-  CHECK(p.at_station.update(p.station));
+  p.propose_and_accept();
   p.time(5, false);  // contact broken before the acknowledgement arrived
   CHECK_FALSE(p.at_explorer.update(p.explorer));
   CHECK_FALSE(p.at_explorer.pending());
@@ -92,10 +93,7 @@ TEST_CASE(
 
 TEST_CASE("rungs that passed were missed, standing ones included") {
   Pair p;
-  p.time(0, true);
-  p.at_explorer.propose(p.explorer, p.ladder(60), RegionId{0});
-  p.exchange();
-  p.at_station.update(p.station);
+  p.propose_and_accept();
   p.time(89, false);
   CHECK(p.at_station.missed(p.station) == 0);
   p.time(95, false);
@@ -133,10 +131,7 @@ TEST_CASE(
 
 TEST_CASE("who starts again goes on with what was agreed on") {
   Pair p;
-  p.time(0, true);
-  p.at_explorer.propose(p.explorer, p.ladder(60), RegionId{0});
-  p.exchange();
-  p.at_station.update(p.station);
+  p.propose_and_accept();
   p.exchange();
   REQUIRE(p.at_explorer.update(p.explorer));
 
@@ -153,10 +148,7 @@ TEST_CASE("who starts again goes on with what was agreed on") {
 
 TEST_CASE("a window has passed only when it has passed on a clock that may be right as well") {
   Pair p;
-  p.time(0, true);
-  p.at_explorer.propose(p.explorer, p.ladder(60), RegionId{0});
-  p.exchange();
-  CHECK(p.at_station.update(p.station));
+  p.propose_and_accept();
   const Duration bound = Duration::from_s(20);
   p.station.begin(at(109), bound);
   CHECK(p.at_station.next(p.station).from == at(60));

@@ -2,6 +2,7 @@
 
 #include "common/mission/mission.h"
 #include "common/robot/knowledge.h"
+#include "common/robot/strategy.h"
 
 namespace muster::robot {
 
@@ -28,6 +29,11 @@ inline mission::Mission small_mission() {
   }
   return m;
 }
+
+/// Stays where it is.
+struct Idle : Strategy {
+  Intent decide(Knowledge&, const Progress&) override { return {}; }
+};
 
 /// A beacon of `of`, heard by `by` now: contact, without any exchange of records.
 inline void hear(Knowledge& by, const Knowledge& of) {

@@ -36,11 +36,10 @@ mission::Area area_at(const Vec3& p) {
 }
 
 /// Explores the first region all the time.
-struct Looking : Strategy {
+struct Looking : Idle {
   void on_sightings(Knowledge& k, const mission::Sightings& s) override {
     k.keep_look(RegionId{0}, s);
   }
-  Intent decide(Knowledge&, const Progress&) override { return {}; }
 };
 
 mission::Sightings look(double x_m, std::vector<mission::Sighting> seen) {

@@ -18,12 +18,6 @@ namespace {
 
 constexpr RobotId kSelf{1}, kOther{2}, kNewcomer{0};
 
-/// Stays where it is.
-class Idle : public Strategy {
- public:
-  Intent decide(Knowledge&, const Progress&) override { return {}; }
-};
-
 /// A robot in its first tick, at `p`.
 std::unique_ptr<Robot> started_at(const mission::Mission& m, const Vec3& p) {
   auto robot = std::make_unique<Robot>(m, kSelf, std::make_unique<Idle>(), 2);
