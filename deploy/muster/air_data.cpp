@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
 
 #include "common/core/error.h"
 #include "deploy/muster/air.h"
+#include "deploy/muster/csv.h"
 
 namespace fs = std::filesystem;
 using namespace nlohmann::literals;
@@ -15,24 +15,13 @@ namespace {
 
 constexpr std::size_t kFixedColumns = 6;  // then one for each reason
 
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> fields;
-  for (std::size_t at = 0; at <= line.size();) {
-    const std::size_t comma = std::min(line.find(',', at), line.size());
-    fields.push_back(line.substr(at, comma - at));
-    at = comma + 1;
-  }
-  return fields;
-}
-
 /// The numbers of a row; none when it is not whole (a run that was cut short ends in the middle).
 std::vector<std::uint64_t> numbers(std::string_view line, std::size_t columns) {
   std::vector<std::uint64_t> out;
-  for (const std::string_view field : split(line)) {
-    std::uint64_t value = 0;
-    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-    if (error != std::errc{} || end != field.data() + field.size()) return {};
-    out.push_back(value);
+  for (const std::string_view cell : cells_of(line)) {
+    const auto value = number_in<std::uint64_t>(cell);
+    if (!value) return {};
+    out.push_back(*value);
   }
   if (out.size() != columns) out.clear();
   return out;
@@ -79,7 +68,7 @@ void read_csv(AirData& air, const std::string& path) {
                    "before it began");
   }
   std::vector<std::string> reasons;
-  const auto header = split(line);
+  const auto header = cells_of(line);
   for (std::size_t i = kFixedColumns; i < header.size(); ++i) reasons.emplace_back(header[i]);
   while (std::getline(file, line)) {
     const auto row = numbers(line, header.size());

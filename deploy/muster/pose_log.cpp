@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <optional>
 #include <string_view>
 
 #include "common/core/error.h"
+#include "deploy/muster/csv.h"
 
 namespace muster::command {
 namespace {
@@ -30,7 +30,8 @@ class Table {
       if (!std::getline(in_, text)) return false;
       if (text.ends_with('\r')) text.pop_back();
     } while (text.empty());
-    split(text);
+    const auto cells = cells_of(text);
+    cells_.assign(cells.begin(), cells.end());
     if (!names_.empty() && cells_.size() != names_.size())
       fail(fmt::format("has {} cells, and the first line names {} columns", cells_.size(),
                        names_.size()));
@@ -50,11 +51,10 @@ class Table {
 
   double number(std::size_t column) const {
     const std::string& cell = cells_[column];
-    double value = 0;
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    if (error != std::errc{} || end != cell.data() + cell.size() || !std::isfinite(value))
+    const auto value = number_in<double>(cell);
+    if (!value || !std::isfinite(*value))
       fail(fmt::format("{}: '{}' is not a number", names_[column], cell));
-    return value;
+    return *value;
   }
 
   [[noreturn]] void fail(const std::string& what) const {
@@ -62,15 +62,6 @@ class Table {
   }
 
  private:
-  void split(const std::string& text) {
-    cells_.clear();
-    for (std::size_t at = 0; at <= text.size();) {
-      const std::size_t comma = std::min(text.find(',', at), text.size());
-      cells_.push_back(text.substr(at, comma - at));
-      at = comma + 1;
-    }
-  }
-
   std::string file_;
   std::ifstream in_;
   int line_ = 0;

@@ -2,27 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "common/core/error.h"
+#include "deploy/muster/csv.h"
 
 namespace muster::command {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-std::optional<double> number(const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    return std::nullopt;
-  return value;
-}
 
 std::optional<double> time_of(const json& object) {
   for (const char* key : {"t_s", "t"}) {
@@ -41,6 +32,7 @@ class Csv {
       notes.push_back(fs::path(path).filename().string() + " is missing");
       return;
     }
+    if (line.empty()) return;
     const std::vector<std::string> names = split(line);
     for (std::size_t i = 0; i < names.size(); ++i) column_[names[i]] = i;
   }
@@ -54,16 +46,16 @@ class Csv {
     const auto found = column_.find(name);
     return found == column_.end() || found->second >= cells_.size() ? "" : cells_[found->second];
   }
-  std::optional<double> value(const std::string& name) const { return number(text(name)); }
+  std::optional<double> value(const std::string& name) const {
+    const auto number = number_in<double>(text(name));
+    return number && std::isfinite(*number) ? number : std::nullopt;
+  }
 
  private:
-  static std::vector<std::string> split(const std::string& line) {
-    std::vector<std::string> cells;
-    std::stringstream stream(line);
-    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
-    if (!cells.empty() && !cells.back().empty() && cells.back().back() == '\r')
-      cells.back().pop_back();
-    return cells;
+  static std::vector<std::string> split(std::string_view line) {
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    const auto cells = cells_of(line);
+    return {cells.begin(), cells.end()};
   }
   std::ifstream file_;
   std::map<std::string, std::size_t> column_;
