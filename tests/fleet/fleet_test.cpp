@@ -214,6 +214,7 @@ TEST_CASE(
     "bad input is one line and status 2, a failing place one line and status 1, and nothing is "
     "left behind") {
   const Place place;
+  const std::string nothing = place / "nothing";
   const auto [arguments, status] = GENERATE_COPY(table<std::string, int>({
       {"run nowhere.yaml", 2},
       {"run " + kPagoda + " --strategy guess", 2},
@@ -224,8 +225,8 @@ TEST_CASE(
       {"run " + kPagoda + " --domain 99", 2},
       {"run " + kPagoda + " --link direct --transport memory", 2},
       {"run " + kPagoda + " --out /proc/muster", 1},
-      {"ctl " + place / "nothing" + " abort", 1},
-      {"ctl " + place / "nothing" + " jump", 2},
+      {"ctl " + nothing + " abort", 1},
+      {"ctl " + nothing + " jump", 2},
       {"fly", 2},
   }));
   INFO(arguments);
