@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "common/route/allocate.h"
+#include "common/route/share.h"
 
 namespace muster::gcs {
 namespace {

@@ -6,13 +6,15 @@
 #include "common/radio/path_loss.h"
 #include "common/robot/guardian.h"
 #include "common/robot/stopwatch.h"
-#include "common/route/allocate.h"
+#include "common/route/tour.h"
 
 namespace muster::gcs {
 namespace {
 
 constexpr double kDetour = 1.4;
 constexpr double kTourEvery_s = 2;
+constexpr double kMeeting_s = 2;
+constexpr double kLateWeight = 10;  // an explorer and its group wait, against the station alone
 constexpr double kParkEvery_s = 3;
 constexpr double kRadioMargin_m = 1.5;  // parked so much closer than the radio reaches
 constexpr double kNotTooClose_m = 1.2;
@@ -104,6 +106,7 @@ std::optional<RobotId> Slei3dStation::next_partner(robot::Knowledge& k) {
   route::TourProblem problem;
   std::vector<Vec3> places{k.position()};
   problem.now_s = k.now().s();
+  problem.wait_weight = 1;
   for (const auto& [id, agreement] : agreements_) {
     const auto& group = regions_.groups().at(id);
     if (group.released) continue;
@@ -112,8 +115,7 @@ std::optional<RobotId> Slei3dStation::next_partner(robot::Knowledge& k) {
       continue;  // maybe it comes to the standing rung after all
     ids.push_back(id);
     places.push_back(rung.place);
-    problem.from_s.push_back(rung.from.s());
-    problem.until_s.push_back(rung.until.s());
+    problem.stops.push_back({rung.from.s(), rung.until.s(), kMeeting_s, kLateWeight});
   }
   if (ids.empty()) return std::nullopt;
   for (const Vec3& a : places) {
@@ -121,8 +123,7 @@ std::optional<RobotId> Slei3dStation::next_partner(robot::Knowledge& k) {
     for (const Vec3& b : places)
       row.push_back(nav::travel_time_s(kDetour * (a - b).norm(), k.limits()));
   }
-  const route::Tour tour = route::plan_tour(problem);
-  return ids[tour.order.front()];
+  return ids[route::plan_tour(problem)->order.front()];  // windows are soft: there is a tour
 }
 
 /// A drivable spot from which the meeting place is well heard (the radio's forecast, by what is

@@ -86,33 +86,6 @@ double best_makespan(const AllocationProblem& p) {
   return best;
 }
 
-TourProblem random_tour(Random& random, std::size_t meetings) {
-  TourProblem p;
-  p.now_s = random.uniform(0, 50);
-  p.travel_s.assign(meetings + 1, std::vector<double>(meetings + 1, 0));
-  for (auto& row : p.travel_s) {
-    for (double& t : row) t = random.uniform(2, 30);
-  }
-  for (std::size_t m = 0; m < meetings; ++m) {
-    p.from_s.push_back(p.now_s + random.uniform(-20, 100));
-    p.until_s.push_back(p.from_s.back() + random.uniform(0, 20));
-  }
-  return p;
-}
-
-double tour_cost(const TourProblem& p, const std::vector<std::uint32_t>& order) {
-  double t = p.now_s, cost = 0;
-  std::size_t at = 0;
-  for (const auto m : order) {
-    const double way = p.travel_s[at][m + 1];
-    const double arrive = t + way, wait = std::max(0.0, p.from_s[m] - arrive);
-    cost += way + wait + p.late_weight * std::max(0.0, arrive - p.until_s[m]);
-    t = arrive + wait + p.service_s;
-    at = m + 1;
-  }
-  return cost;
-}
-
 }  // namespace
 
 TEST_CASE("the allocation gives every area to one inspector and ends near the earliest possible") {
@@ -157,57 +130,4 @@ TEST_CASE("an area nobody can get to is left out, and nobody to allocate to is n
   nobody.service_s = {1};
   nobody.between_s = {{0}};
   CHECK(allocate(nobody).empty());
-}
-
-TEST_CASE("the station's tour is the cheapest order up to 12 meetings") {
-  Random random(4, RobotId{0}, "tour");
-  for (int trial = 0; trial < 60; ++trial) {
-    auto p = random_tour(random, 1 + random.below(6));
-    p.late_weight = random.uniform(0.2, 12);
-    const Tour tour = plan_tour(p);
-    std::vector<std::uint32_t> order(p.from_s.size());
-    std::iota(order.begin(), order.end(), 0);
-    double best = kInf;
-    do best = std::min(best, tour_cost(p, order));
-    while (std::next_permutation(order.begin(), order.end()));
-    CHECK(tour.cost == Approx(best));
-    CHECK(tour.cost == Approx(tour_cost(p, tour.order)));
-    CHECK(tour.arrive_s.size() == tour.order.size());
-  }
-}
-
-TEST_CASE("above 12 meetings the tour still holds each one once and beats the order of windows") {
-  Random random(5, RobotId{0}, "tour");
-  for (int trial = 0; trial < 5; ++trial) {
-    const auto p = random_tour(random, 20);
-    const Tour tour = plan_tour(p);
-    auto sorted = tour.order;
-    std::sort(sorted.begin(), sorted.end());
-    std::vector<std::uint32_t> by_window(20);
-    std::iota(by_window.begin(), by_window.end(), 0);
-    CHECK(sorted == by_window);
-    std::sort(by_window.begin(), by_window.end(),
-              [&](auto a, auto b) { return p.until_s[a] < p.until_s[b]; });
-    CHECK(tour.cost <= tour_cost(p, by_window));
-  }
-  CHECK(plan_tour({.travel_s = {{0}}, .from_s = {}, .until_s = {}}).order.empty());
-}
-
-TEST_CASE("inspectors are shared by volume, none is left over, and every region gets one") {
-  CHECK(share_inspectors(4, {1, 1}) == std::vector<std::uint32_t>{2, 2});
-  CHECK(share_inspectors(5, {3, 1}) == std::vector<std::uint32_t>{4, 1});
-  CHECK(share_inspectors(3, {100, 1, 1}) == std::vector<std::uint32_t>{1, 1, 1});
-  CHECK(share_inspectors(10, {90, 5, 5}) == std::vector<std::uint32_t>{8, 1, 1});
-  CHECK(share_inspectors(1, {1, 5, 2}) == std::vector<std::uint32_t>{0, 1, 0});
-  CHECK(share_inspectors(3, {0, 0}) == std::vector<std::uint32_t>{2, 1});
-  CHECK(share_inspectors(3, {}).empty());
-  Random random(6, RobotId{0}, "share");
-  for (int trial = 0; trial < 200; ++trial) {
-    std::vector<double> volumes(1 + random.below(8));
-    for (double& v : volumes) v = random.uniform(1, 1000);
-    const auto inspectors = static_cast<std::uint32_t>(random.below(50));
-    const auto share = share_inspectors(inspectors, volumes);
-    CHECK(std::accumulate(share.begin(), share.end(), 0u) == inspectors);
-    if (inspectors >= volumes.size()) CHECK(*std::min_element(share.begin(), share.end()) >= 1);
-  }
 }
