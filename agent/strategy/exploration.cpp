@@ -232,8 +232,7 @@ std::vector<Exploration::Goal> Exploration::candidates(robot::Knowledge& k) {
   for (const map::Viewpoint& v : targets_.viewpoints()) {
     if (barred(v.pose, now)) continue;
     const double value = kLeftover + (v.surface ? p.owed_weight : kDepth_m) * v.gain;
-    const double way_s =
-        travel_time_s((v.pose.p - here).norm(), v.pose.p - here, k.limits()) + kStop_s;
+    const double way_s = nav::travel_time_s((v.pose.p - here).norm(), k.limits()) + kStop_s;
     rough.push_back({value / way_s, &v});
   }
   std::stable_sort(rough.begin(), rough.end(),

@@ -15,9 +15,6 @@ constexpr double kLeastValue = 3;                    // less is left to the view
 constexpr double kFresh_s = 0.3;
 constexpr double kGlance_s = 0.35;  // a scan comes twice a second
 constexpr double kDecide_s = 0.2;   // coming to rest, starting again
-constexpr double kMovingOff_rad = 45 * std::numbers::pi / 180;
-constexpr double kShortMove_m = 1;
-constexpr double kSteep = 0.5, kSteepSpeed_mps = 1;  // what the camera does not see is flown slowly
 constexpr double kApart_m = 1.5, kApart_rad = 0.8;
 
 }  // namespace
@@ -31,17 +28,9 @@ bool straight(const map::VoxelMap& map, const Vec3& a, const Vec3& b) {
   return true;
 }
 
-double travel_time_s(double way_m, const Vec3& direction, const nav::Limits& limits) {
-  nav::Limits here = limits;
-  if (std::abs(direction.z()) > kSteep * direction.norm()) {
-    here.speed_mps = std::min(here.speed_mps, kSteepSpeed_mps);
-  }
-  return nav::travel_time_s(way_m, here);
-}
-
 double flight_s(double way_m, const Vec3& direction, double yaw_now_rad, double yaw_rad,
                 const nav::Limits& limits, const Vec3& v_mps) {
-  double travel_s = travel_time_s(way_m, direction, limits);
+  double travel_s = nav::travel_time_s(way_m, limits);
   // What is already in motion that way need not be sped up; any other motion must be stopped first.
   const double speed = v_mps.norm();
   if (speed > 0.1) {
@@ -49,16 +38,8 @@ double flight_s(double way_m, const Vec3& direction, double yaw_now_rad, double 
     travel_s += (along ? -0.5 : 1.0) * speed / limits.accel_mps2;
     travel_s = std::max(0.0, travel_s);
   }
-  const bool level = direction.head<2>().norm() > 0.27 * direction.norm();
-  if (way_m < kShortMove_m || !level) {
-    const double turn_s = std::abs(wrap_angle(yaw_rad - yaw_now_rad)) / limits.yaw_rate_radps;
-    return std::max(travel_s, turn_s) + kDecide_s;
-  }
-  const double heading = std::atan2(direction.y(), direction.x());
-  const double before = std::abs(wrap_angle(heading - yaw_now_rad)) - kMovingOff_rad;
-  const double after = std::abs(wrap_angle(yaw_rad - heading)) - kMovingOff_rad;
-  return travel_s + (std::max(0.0, before) + std::max(0.0, after)) / limits.yaw_rate_radps +
-         kDecide_s;
+  const double turn_s = std::abs(wrap_angle(yaw_rad - yaw_now_rad)) / limits.yaw_rate_radps;
+  return std::max(travel_s, turn_s) + kDecide_s;
 }
 
 View price(const Pose& pose, const map::Worth& worth, double arrive_s, SimTime now,
@@ -155,7 +136,7 @@ std::vector<View> Vantages::best(robot::Knowledge& k, const map::Targets& target
 
   const auto bound = [&](std::size_t place) {
     const Place& p = places_[place];
-    const double arrive_s = travel_time_s((spot(place) - here).norm(), spot(place) - here, limits);
+    const double arrive_s = nav::travel_time_s((spot(place) - here).norm(), limits);
     return Bound{(p.seen ? static_cast<double>(p.most) : kUnseenValue) / (arrive_s + kGlance_s),
                  place};
   };

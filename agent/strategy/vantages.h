@@ -29,10 +29,8 @@ struct View {
 /// The straight way between two places is free for the body.
 bool straight(const map::VoxelMap& map, const Vec3& a, const Vec3& b);
 
-/// Seconds to fly `way_m`, roughly along `direction`, from rest to rest. Steep ways are slow.
-double travel_time_s(double way_m, const Vec3& direction, const nav::Limits& limits);
-/// Seconds to fly `way_m` along `direction` and to end at `yaw_rad`, from rest at `yaw_now_rad`: a
-/// UAV looks roughly where it flies, so that turns beyond that are made standing.
+/// Seconds to fly `way_m` along `direction` and to end at `yaw_rad`, turning on the way, from rest
+/// at `yaw_now_rad` or from `v_mps`.
 double flight_s(double way_m, const Vec3& direction, double yaw_now_rad, double yaw_rad,
                 const nav::Limits& limits, const Vec3& v_mps = Vec3::Zero());
 

@@ -129,7 +129,7 @@ class Layer {
     r.ground = limits_.ground;
     double total = 0;
     for (const Leg& leg : legs_) total += leg.length_m;
-    r.look_ahead = limits_.ground || total >= kLongestShortMove_m;
+    r.look_ahead = limits_.ground || (request_.look_ahead && total >= kLongestShortMove_m);
     for (std::size_t i = 0; i < legs_.size(); ++i) {
       r.legs.push_back({legs_[i].dir, legs_[i].start_m, legs_[i].length_m, bends_[i]});
     }
@@ -137,11 +137,13 @@ class Layer {
   }
 
   double steepness_cap(const Vec3& dir) const {
+    if (!request_.look_ahead) return limits_.speed_mps;
     return std::abs(dir.z()) > std::sin(kSteep) ? kSteepSpeed_mps : limits_.speed_mps;
   }
 
   double look_cap(const Course::Piece& piece, double yaw_from, double yaw_to) const {
-    if (limits_.ground || total_m_ < kLongestShortMove_m) return limits_.speed_mps;
+    if (limits_.ground || !request_.look_ahead || total_m_ < kLongestShortMove_m)
+      return limits_.speed_mps;
     constexpr int kSamples = 4;  // within a bend the motion turns, too
     for (int i = 0; i <= kSamples; ++i) {
       const double u = double(i) / kSamples;

@@ -42,6 +42,7 @@ struct CourseRequest {
   std::optional<double> final_yaw_rad;
   double corner_m = 0.1;
   double max_speed_mps = 2;  ///< after scaling and sight
+  bool look_ahead = true;    ///< UAV: along the motion
   bool first_leg_bends =
       false;  ///< the first leg is just long enough for its half of the first bend
 };

@@ -239,7 +239,8 @@ std::optional<std::vector<State>> try_flowing(const Path& path, const TimingRequ
     if (!start) return std::nullopt;
     const double heading = std::atan2(now.v_mps.y(), now.v_mps.x());
     const bool level = now.v_mps.head<2>().norm() > 0.5;
-    if (level && std::abs(wrap_angle(heading - now.yaw_rad)) > kLookingAway) return std::nullopt;
+    if (request.look_ahead && level && std::abs(wrap_angle(heading - now.yaw_rad)) > kLookingAway)
+      return std::nullopt;
     points = std::move(start->points);
     course.first_leg_bends = start->bends;
   } else {
@@ -255,6 +256,7 @@ std::optional<std::vector<State>> try_flowing(const Path& path, const TimingRequ
   course.yaw_rad = now.yaw_rad;
   course.final_yaw_rad = request.final_yaw_rad;
   course.corner_m = corner_m;
+  course.look_ahead = request.look_ahead;
   course.max_speed_mps = std::min(limits.speed_mps, sight_speed(see_m, limits.accel_mps2)) *
                          std::clamp(request.speed_scale, 0.05, 1.0);
   return drive(lay_course(course, limits), now, limits);

@@ -42,6 +42,7 @@ struct TimingRequest {
   State now;  ///< where the vehicle is and how it moves at the start
   std::optional<double> final_yaw_rad;
   double speed_scale = 1;  ///< (0, 1]: fly slower
+  bool look_ahead = true;  ///< UAV; false: the camera turns as the end wants, whatever the motion
 };
 
 /// Times a path within speed, acceleration and yaw-rate limits, from the present state to rest at

@@ -45,7 +45,7 @@ YawPlan::YawPlan(const YawRequest& request) : request_(request) {
         heading + std::clamp(wrap_angle(*request_.final_rad - heading), -limit, limit);
     end_offset_rad_ = target - base(total_m_);
   }
-  end_m_ = std::min(kHalfWindow_m, total_m_ / 2);
+  end_m_ = request_.look_ahead ? std::min(kHalfWindow_m, total_m_ / 2) : total_m_;
   find_turning();
 }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "common/core/log.h"
 #include "common/nav/headway.h"
 
 namespace muster::robot {
@@ -42,6 +44,11 @@ constexpr double kFollows_m = 4.0, kMoves_mps = 0.3;
 constexpr Duration kLeftAlone{1'000'000};  // a vehicle stops when its process is silent so long
 constexpr Duration kForesight{2'500'000};
 constexpr double kAnnounceStep_s = 0.5, kAnnounceSpan_s = 6.0;
+constexpr double kSilentFrom_s = 1, kSilentUntil_s = 60, kSilentNear_m = 2.5;
+constexpr double kWellHeard = 0.6;  // of the range
+constexpr double kWaitForRadio_s = 60;
+constexpr double kUnheard_s = 2.5;    // eight beacons in a row: a fifth of them is lost at times
+constexpr double kRadioWorks_s = 60;  // since somebody was heard
 constexpr double kSettled_m = 0.12, kSettled_rad = 0.08;
 
 bool same_goal(const Intent& a, const Intent& b) {
@@ -53,6 +60,17 @@ bool same_goal(const Intent& a, const Intent& b) {
 
 bool to_meet(const Intent& intent) {
   return intent.kind == Intent::Kind::kGo && intent.with != kNoRobot && !intent.use_yaw;
+}
+
+/// Of a path, seen from above.
+double level_distance_m(const nav::Path& path, const Vec3& p) {
+  double nearest_m = (path.points.front() - p).head<2>().norm();
+  for (std::size_t i = 1; i < path.points.size(); ++i) {
+    const Eigen::Vector2d a = path.points[i - 1].head<2>(), leg = path.points[i].head<2>() - a;
+    const double along = leg.squaredNorm() > 0 ? (p.head<2>() - a).dot(leg) / leg.squaredNorm() : 0;
+    nearest_m = std::min(nearest_m, (a + std::clamp(along, 0.0, 1.0) * leg - p.head<2>()).norm());
+  }
+  return nearest_m;
 }
 
 /// `path` without its last stretch, as long as `goal` stays in sight.
@@ -101,6 +119,7 @@ void Executive::look_around(Knowledge& k) {
   const SimTime now = k.now();
   bodies_.forget(now);
   movers_.clear();
+  note_silence(k);
   for (const auto& [id, mate] : k.teammates()) {
     if ((now - mate.heard).s() > kMoverMemory_s) continue;
     nav::Mover mover{id, mate.beacon.radius_m, {}};
@@ -113,6 +132,40 @@ void Executive::look_around(Knowledge& k) {
     note_standing(now, mate);
     movers_.push_back(std::move(mover));
   }
+}
+
+/// A teammate that should be near, in sight, and is not heard, while nobody else is either; or one
+/// in the air that is seen and not heard, when nobody has been for a while: it may be the radio
+/// that is silent, and they may move about unannounced.
+void Executive::note_silence(const Knowledge& k) {
+  const SimTime now = k.now();
+  const double near_m = kWellHeard * k.mission().radio.range_m;
+  double silent_s = std::numeric_limits<double>::infinity();
+  bool missed = false;
+  for (const auto& [id, mate] : k.teammates()) {
+    const double this_s = (now - mate.heard).s();
+    silent_s = std::min(silent_s, this_s);
+    if (this_s <= kUnheard_s || this_s > 2 * kUnheard_s) continue;
+    Vec3 at = mate.beacon.pose.p;
+    for (const mission::TimedPose& t : mate.beacon.trajectory) {
+      if (t.t <= now) at = t.pose.p;
+    }
+    missed = missed || ((at - k.position()).norm() < near_m &&
+                        k.map().line_of_sight(at, k.position(), false));
+  }
+  missed = missed || bodies_.in_the_air(k.map(), {k.position(), near_m}, now);
+  if (silent_s <= kUnheard_s) {
+    radio_doubted_since_.reset();
+  } else if (missed && !radio_doubted_since_) {
+    radio_doubted_since_ = now;
+    log::info("somebody is near and nobody is heard: waiting for the radio");
+  }
+}
+
+/// Everybody who was near doubts it in the same moment and stands: nobody runs into anybody. Who
+/// has waited in vain goes on looking where it flies.
+bool Executive::waits_for_radio(SimTime now) const {
+  return radio_doubted_since_ && (now - *radio_doubted_since_).s() < kWaitForRadio_s;
 }
 
 /// Teammates who are on their way and yet stand still: somebody may be in their way.
@@ -259,6 +312,12 @@ Executive::Commands Executive::step(Knowledge& k, const Intent& intent) {
   }
   if (landing_) return commands;
 
+  if (waits_for_radio(now)) {
+    plan_due_ = true;
+    if (!resting(now) && now == *radio_doubted_since_) brake(k, commands);
+    return commands;
+  }
+
   const bool retry = now >= plan_again_ && (resting(now) || partial_);
   if (plan_due_ || retry) {
     plan_due_ = false;
@@ -354,6 +413,7 @@ std::vector<map::Sphere> Executive::parked(SimTime now) const {
 }
 
 void Executive::plan(Knowledge& k, const Intent& intent, Commands& commands) {
+  if (rise_as_it_came(k, commands)) return;
   if (intent.through_unknown) {
     plan_transit(k, intent, commands);
     return;
@@ -439,10 +499,12 @@ bool Executive::fly(Knowledge& k, const nav::Path& whole, const Intent& intent,
   way_done_ = !partial_ && path.length_m() < 0.05;
   std::optional<double> yaw;
   if (intent.use_yaw) yaw = intent.goal.yaw_rad;
+  const bool look_ahead = !may_look_away(k, intent, path);
   std::optional<nav::Unsafe> unsafe;
   for (const double scale : {1.0, 0.5}) {
     for (const double corner_m : kCorners_m) {
-      nav::Trajectory t = nav::time_path(path, {state(k), yaw, scale}, limits_, corner_m);
+      nav::Trajectory t =
+          nav::time_path(path, {state(k), yaw, scale, look_ahead}, limits_, corner_m);
       unsafe =
           nav::check(t, k.now(), k.map(), radius_m_, movers_, bodies_.spheres(), kPlanMargin_m);
       if (!unsafe) {
@@ -465,6 +527,24 @@ bool Executive::fly(Knowledge& k, const nav::Path& whole, const Intent& intent,
   return false;
 }
 
+/// Whether the camera may turn on the way to what it will be needed for. Who explores is mostly
+/// alone; the radio, if it works, tells of teammates that move, and what stands about unannounced
+/// has been seen or has nothing to stand on.
+bool Executive::may_look_away(const Knowledge& k, const Intent& intent,
+                              const nav::Path& path) const {
+  if (!intent.use_yaw || intent.activity != mission::Activity::kExploring || radio_doubted_since_)
+    return false;
+  bool radio_works = false, silent = false;
+  for (const auto& [id, mate] : k.teammates()) {
+    const double silent_s = (k.now() - mate.heard).s();
+    radio_works = radio_works || silent_s < kRadioWorks_s;
+    // Who fell silent near by went away, or came down, or will.
+    silent = silent || (silent_s > kSilentFrom_s && silent_s < kSilentUntil_s &&
+                        level_distance_m(path, mate.beacon.pose.p) < kSilentNear_m);
+  }
+  return radio_works && !silent && lookout_.clear(path, k.map(), k.now(), radius_m_);
+}
+
 /// Who rests close to something, as after coming down without a process, has a way out that may
 /// lead past it, and nearer. A body that came down can go up again.
 bool Executive::rise(Knowledge& k, Commands& commands) {
@@ -481,6 +561,23 @@ bool Executive::rise(Knowledge& k, Commands& commands) {
     return true;
   }
   return false;
+}
+
+/// True while it has not risen yet, as far as others leave room.
+bool Executive::rise_as_it_came(Knowledge& k, Commands& commands) {
+  if (rise_first_ && (k.position() - *rise_first_).head<2>().norm() > kSettled_m)
+    rise_first_.reset();  // it made room for somebody
+  if (!rise_first_) return false;
+  const nav::Path up{{k.position(), *rise_first_}};
+  nav::Trajectory t = nav::time_path(up, {state(k), std::nullopt, 0.5}, limits_);
+  if (nav::check_others(t, k.now(), radius_m_, movers_, bodies_.spheres(), kPlanMargin_m)) {
+    plan_again_ = k.now() + Duration::from_s(kRetry_s);
+    return true;
+  }
+  rise_first_.reset();
+  set_out(k, std::move(t), commands);
+  backing_out_ = true;  // where it has been
+  return true;
 }
 
 /// On its way, and blocked no longer.

@@ -7,6 +7,7 @@
 #include "common/mission/messages.h"
 #include "common/nav/trajectory.h"
 #include "common/robot/knowledge.h"
+#include "common/robot/lookout.h"
 #include "common/robot/seen_bodies.h"
 #include "common/robot/strategy.h"
 
@@ -35,10 +36,13 @@ class Executive {
   };
   Commands step(Knowledge& knowledge, const Intent& intent);
 
+  /// Before anything else straight up to `to`, the way that the body came down.
+  void rise_first(const Vec3& to) { rise_first_ = to; }
   /// The world's answer to an inspection: shown in the next progress.
   void on_inspected(const mission::Inspected& inspected);
   /// To be told what the camera sees.
   SeenBodies& bodies() { return bodies_; }
+  Lookout& lookout() { return lookout_; }
 
   const Progress& progress() const { return progress_; }
   const nav::Trajectory& trajectory() const { return trajectory_; }
@@ -49,9 +53,12 @@ class Executive {
   void forget_flight(const Knowledge& knowledge);
   void look_around(Knowledge& knowledge);
   void note_standing(SimTime now, const Teammate& mate);
+  void note_silence(const Knowledge& knowledge);
+  bool waits_for_radio(SimTime now) const;
   void dodge(Knowledge& knowledge, Commands& commands);
   void make_room(Knowledge& knowledge, Commands& commands);
   bool rise(Knowledge& knowledge, Commands& commands);
+  bool rise_as_it_came(Knowledge& knowledge, Commands& commands);
   void remember(const Vec3& here);
   bool back_out(Knowledge& knowledge, Commands& commands);
   void no_way(Knowledge& knowledge);
@@ -59,6 +66,7 @@ class Executive {
   void find_landing(Knowledge& knowledge, const Intent& intent, Commands& commands);
   bool stay_safe(Knowledge& knowledge, Commands& commands);
   std::optional<RobotId> follows_too_closely(const Knowledge& knowledge) const;
+  bool may_look_away(const Knowledge& knowledge, const Intent& intent, const nav::Path& path) const;
   void plan(Knowledge& knowledge, const Intent& intent, Commands& commands);
   void plan_transit(Knowledge& knowledge, const Intent& intent, Commands& commands);
   void step_aside(Knowledge& knowledge, Commands& commands);
@@ -89,6 +97,7 @@ class Executive {
   std::optional<SimTime> aside_until_;
   std::map<RobotId, SimTime> standing_since_;  // teammates that want to go and stand
   SimTime room_again_;
+  std::optional<Vec3> rise_first_;
   std::vector<Vec3> trail_;         // where it has been, the latest last
   std::optional<Vec3> landing_at_;  // instead of a landing place that is taken
   int landing_tries_ = 0;
@@ -101,6 +110,9 @@ class Executive {
   SimTime checked_at_;
   std::vector<nav::Mover> movers_;
   SeenBodies bodies_;
+  // Somebody who is near and in sight is not heard, nor anybody else.
+  std::optional<SimTime> radio_doubted_since_;
+  Lookout lookout_;
 
   std::vector<std::pair<map::Sphere, SimTime>> avoid_;  // unknown space that led nowhere
   Vec3 transit_from_ = Vec3::Zero();

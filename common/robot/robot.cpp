@@ -148,6 +148,7 @@ void Robot::find_itself(const mission::Odometry& odometry) {
   if (!knowledge_.paths().confined(p, kWayOut_m)) return;
   const double around_m = vehicle.radius_m + mission.clearance_m + voxel_m;
   for (int i = 0; i <= up; ++i) map.suppose_free_ball(above(i), around_m);
+  executive_.rise_first(above(up));  // beside the column it is only supposed to be free
 }
 
 void Robot::take_scan(const mission::Scan& scan) {
@@ -172,6 +173,7 @@ void Robot::take_scan(const mission::Scan& scan) {
   // own place, once occupied, would wall it in.
   knowledge_.map().insert_free_ball(scan.sensor.p, knowledge_.config().vehicle.radius_m);
   const std::vector<Vec3> unexplained = knowledge_.map().integrate(sweep, mates).unexplained;
+  executive_.lookout().looked(knowledge_.now(), sweep);
   executive_.bodies().see_through(knowledge_.map(), sweep, unexplained);
   executive_.bodies().see(knowledge_.now(), unexplained);
   strategy_->on_scan(knowledge_, scan);

@@ -6,13 +6,17 @@
 namespace muster::robot {
 namespace {
 
-constexpr double kLife_s = 5.0;
+constexpr double kLife_s = 15.0;
+constexpr double kJustSeen_s = 1.0;
+constexpr double kAboveGround_m = 0.9;  // of a return, from a body that stands on nothing
 constexpr double kSamePoint_m = 0.2;
 constexpr double kSize_m = 0.4;            // returns this near each other are one body's
 constexpr double kFieldMargin_rad = 0.05;  // a body at the edge of the view may be half in it
 constexpr double kLidarPlane_m = 0.3;
 constexpr double kRadius_m = 0.3;
 constexpr double kBelow_m = 0.6;  // a return this near a landing place, seen from above, takes it
+
+}  // namespace
 
 bool in_view(const map::RangeScan& scan, const Vec3& p) {
   const Vec3 d = p - scan.sensor.p;
@@ -23,8 +27,6 @@ bool in_view(const map::RangeScan& scan, const Vec3& p) {
   return bearing < scan.hfov_rad / 2 - kFieldMargin_rad &&
          (lidar ? std::abs(d.z()) < kLidarPlane_m : above < scan.vfov_rad / 2 - kFieldMargin_rad);
 }
-
-}  // namespace
 
 void SeenBodies::see(SimTime now, const std::vector<Vec3>& unexplained) {
   const SimTime until = now + Duration::from_s(kLife_s);
@@ -52,6 +54,19 @@ void SeenBodies::forget(SimTime now) {
   std::erase_if(obstacles_, [&](const Obstacle& o) { return o.until < now; });
   spheres_.clear();
   for (const Obstacle& o : obstacles_) spheres_.push_back({o.p, kRadius_m});
+}
+
+bool SeenBodies::in_the_air(const map::VoxelMap& map, const map::Sphere& around,
+                            SimTime now) const {
+  const double edge_m = map.config().resolution_m;
+  return std::any_of(obstacles_.begin(), obstacles_.end(), [&](const Obstacle& o) {
+    if ((o.until - now).s() < kLife_s - kJustSeen_s) return false;
+    if ((o.p - around.center).norm() > around.radius_m) return false;
+    for (int i = 1; i * edge_m <= kAboveGround_m; ++i) {
+      if (map.at(Vec3(o.p - i * edge_m * Vec3::UnitZ())) != map::Voxel::kFree) return false;
+    }
+    return true;
+  });
 }
 
 bool SeenBodies::below(const Vec3& p, double radius_m) const {

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <functional>
 #include <memory>
+#include <numbers>
 
 #include "common/core/random.h"
 #include "common/robot/executive.h"
@@ -41,6 +42,13 @@ class Flyer {
     intent_.goal.p = goal;
     intent_.tolerance_m = 0.3;
     intent_.activity = mission::Activity::kTravelling;
+  }
+
+  void look_from(const Pose& pose, mission::Activity activity) {
+    go(pose.p);
+    intent_.goal = pose;
+    intent_.use_yaw = true;
+    intent_.activity = activity;
   }
 
   void hover() { intent_ = {}; }
@@ -178,6 +186,44 @@ TEST_CASE("who follows keeps off when the one in front brakes, whoever has the r
   CHECK(hall.run(0.2) > 0);
   hall.hears_m = 5;
   CHECK(hall.run(5) > 0);
+}
+
+TEST_CASE("who does not hear a neighbour in sight stands until it does, or for a minute") {
+  const bool again = GENERATE(true, false);
+  Hall hall({Vec3(-4, 0, 1.5), Vec3(-4, 2, 1.5)});
+  hall.run(1);
+  hall.hears_m = 0;
+  hall.run(3);
+  hall[0].go(Vec3(5, 0, 1.5));
+  hall.run(30);
+  CHECK((hall[0].p() - Vec3(-4, 0, 1.5)).norm() < 0.05);
+  hall.hears_m = again ? 5 : 0;
+  hall.run(again ? 8 : 38);
+  CHECK(hall[0].arrived());
+}
+
+TEST_CASE("who flew away from its neighbour does not wait for it") {
+  Hall hall({Vec3(-4, 0, 1.5), Vec3(-4, 2, 1.5)});
+  hall[0].go(Vec3(5, 0, 1.5));
+  hall.run(8);
+  CHECK(hall[0].arrived());
+  hall[0].go(Vec3(5, 5, 1.5));
+  hall.run(6);
+  CHECK(hall[0].arrived());
+}
+
+TEST_CASE("who explores turns its camera on the way while the radio works, and nobody else does") {
+  const bool explores = GENERATE(true, false), hears = GENERATE(true, false);
+  CAPTURE(explores, hears);
+  Hall hall({Vec3(0, -1.5, 1.5), Vec3(4, 0, 1.5)});
+  hall.hears_m = hears ? 5 : 0;
+  hall.run(1);
+  hall[0].look_from({{0, 1.5, 1.5}, -std::numbers::pi / 2},
+                    explores ? mission::Activity::kExploring : mission::Activity::kTravelling);
+  hall.run(3.6);
+  CHECK(hall[0].arrived() == (explores && hears));
+  hall.run(5);
+  CHECK(hall[0].arrived());
 }
 
 TEST_CASE("robots that go home to neighbouring places never touch on the way") {

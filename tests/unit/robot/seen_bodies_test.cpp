@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
+#include "tests/unit/nav/known_map.h"
 #include "tests/unit/robot/fixtures.h"
 
 using namespace muster;
@@ -28,10 +29,10 @@ TEST_CASE("a body that is seen is an obstacle for a while") {
   bodies.forget(SimTime::from_s(2));
   CHECK(bodies.spheres().size() == 2);  // returns beside each other are one
   bodies.see(SimTime::from_s(4), {{3, 2, 1.5}});
-  bodies.forget(SimTime::from_s(7));
+  bodies.forget(SimTime::from_s(17));
   REQUIRE(bodies.spheres().size() == 1);
   CHECK(bodies.spheres()[0].center.isApprox(Vec3(3, 2, 1.5)));
-  bodies.forget(SimTime::from_s(10));
+  bodies.forget(SimTime::from_s(20));
   CHECK(bodies.spheres().empty());
 }
 
@@ -48,6 +49,23 @@ TEST_CASE("a body is gone where a scan sees through its place, and only there") 
     bodies.forget(SimTime::from_s(1));
     CHECK(bodies.spheres().size() == (still_seen ? 3 : 2));
   }
+}
+
+TEST_CASE("a body is in the air when there is room below it, and as long as it is seen") {
+  test::KnownMap known({0, -5, 0}, {20, 5, 20});
+  for (int x = 0; x < 20; ++x) {
+    for (int y = -5; y < 5; ++y) known.occupy({x, y, -1});
+  }
+  SeenBodies bodies;
+  const map::Sphere here{{0, 0, 2}, 3};
+  bodies.see(SimTime::from_s(1), {{1, 0, 0.5}});
+  CHECK_FALSE(bodies.in_the_air(known.map(), here, SimTime::from_s(1)));  // it stands
+  bodies.see(SimTime::from_s(1), {{-1, 0, 2}});
+  CHECK_FALSE(bodies.in_the_air(known.map(), here, SimTime::from_s(1)));  // on what nobody knows
+  bodies.see(SimTime::from_s(1), {{1, 0, 2}});
+  CHECK(bodies.in_the_air(known.map(), here, SimTime::from_s(1.5)));
+  CHECK_FALSE(bodies.in_the_air(known.map(), {{0, 0, 2}, 0.9}, SimTime::from_s(1.5)));  // far away
+  CHECK_FALSE(bodies.in_the_air(known.map(), here, SimTime::from_s(3)));
 }
 
 TEST_CASE("what stands below a landing place takes it") {
